@@ -1,0 +1,247 @@
+use core::marker::PhantomData;
+
+use crate::row::{Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage};
+
+/// A Rust type that an entry can hold.
+pub trait Value {
+    /// Its type on the bus.
+    const DATA_TYPE: DataType;
+}
+
+/// A [`Value`] that is a number, kept in 32 bits (two's complement).
+pub trait Number: Value + Copy {
+    /// The number that the low bytes of `raw` are.
+    fn from_raw(raw: u32) -> Self;
+
+    /// The number in 32 bits.
+    fn to_raw(self) -> u32;
+}
+
+macro_rules! numbers {
+    ($($number:ty = $data_type:ident),+) => {$(
+        impl Value for $number {
+            const DATA_TYPE: DataType = DataType::$data_type;
+        }
+
+        impl Number for $number {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_possible_wrap,
+                reason = "a number is the low bytes of its 32 bits"
+            )]
+            fn from_raw(raw: u32) -> Self {
+                raw as Self
+            }
+
+            #[allow(
+                clippy::cast_sign_loss,
+                clippy::unnecessary_cast,
+                trivial_numeric_casts,
+                reason = "the 32 bits hold negative numbers in two's complement"
+            )]
+            fn to_raw(self) -> u32 {
+                self as u32
+            }
+        }
+    )+};
+}
+
+numbers! {
+    u8 = Unsigned8, u16 = Unsigned16, u32 = Unsigned32, i8 = Integer8, i16 = Integer16, i32 = Integer32
+}
+
+/// A text of `LEN` bytes.
+impl<const LEN: usize> Value for [u8; LEN] {
+    #[expect(clippy::cast_possible_truncation, reason = "checked in the same line")]
+    const DATA_TYPE: DataType = {
+        assert!(LEN <= 255, "a text has at most 255 bytes");
+        DataType::VisibleString(LEN as u8)
+    };
+}
+
+/// What one step of a number means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A plain number.
+    None,
+    /// 1/100 mm.
+    HundredthMm,
+    /// ms.
+    Millisecond,
+    /// 0.1 s.
+    TenthSecond,
+    /// Unscaled steps of the sensor.
+    SensorStep,
+    /// 1/10,000,000 of 1/100 mm per sensor step.
+    ScalingFactor,
+    /// Bits.
+    Bit,
+}
+
+/// What only people read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// Name as in the EDS file.
+    pub name: &'static str,
+    /// Unit of the number.
+    pub unit: Unit,
+}
+
+/// An entry of a dictionary and the typed key to its value.
+#[derive(Clone, Copy, Debug)]
+pub struct Object<T> {
+    row: Row,
+    text: Text,
+    value: PhantomData<fn() -> T>,
+}
+
+impl<T: Value> Object<T> {
+    /// An entry that is read only, volatile, not mappable, held by the controller that its index
+    /// says and zero.
+    #[must_use]
+    pub const fn new(index: u16, sub: u8, name: &'static str) -> Self {
+        let (min, max) = T::DATA_TYPE.span();
+        Self {
+            row: Row {
+                id: ObjectId { index, sub },
+                data_type: T::DATA_TYPE,
+                access: Access::ReadOnly,
+                storage: Storage::Volatile,
+                owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
+                pdo: PdoMapping::No,
+                default: Default::Number(0),
+                limits: Limits { min, max, also: &[] },
+            },
+            text: Text { name, unit: Unit::None },
+            value: PhantomData,
+        }
+    }
+
+    /// Masters may only read it. This is also what a new object starts with.
+    #[must_use]
+    pub const fn read_only(mut self) -> Self {
+        self.row.access = Access::ReadOnly;
+        self
+    }
+
+    /// Masters may read and write it.
+    #[must_use]
+    pub const fn read_write(mut self) -> Self {
+        self.row.access = Access::ReadWrite;
+        self
+    }
+
+    /// Masters may only write it.
+    #[must_use]
+    pub const fn write_only(mut self) -> Self {
+        self.row.access = Access::WriteOnly;
+        self
+    }
+
+    /// Saved when a master asks for it (0x1010).
+    #[must_use]
+    pub const fn stored_on_command(mut self) -> Self {
+        self.row.storage = Storage::OnCommand;
+        self
+    }
+
+    /// Saved with every change.
+    #[must_use]
+    pub const fn stored_at_once(mut self) -> Self {
+        self.row.storage = Storage::AtOnce;
+        self
+    }
+
+    /// Held by the CAN interface controller although its index lies outside the communication
+    /// area.
+    #[must_use]
+    pub const fn held_by_interface(mut self) -> Self {
+        self.row.owner = Owner::Interface;
+        self
+    }
+
+    /// PDOs may carry it.
+    #[must_use]
+    pub const fn mappable(mut self, pdo: PdoMapping) -> Self {
+        self.row.pdo = pdo;
+        self
+    }
+
+    /// Only `min` to `max` may be written, ends included.
+    #[must_use]
+    pub const fn within(mut self, min: i64, max: i64) -> Self {
+        let (lowest, highest) = T::DATA_TYPE.span();
+        assert!(lowest <= min && min <= max && max <= highest, "limits outside the type");
+        self.row.limits = Limits { min, max, also: self.row.limits.also };
+        self
+    }
+
+    /// Besides the span of [`Self::within`], these spans may be written.
+    #[must_use]
+    pub const fn or_within(mut self, also: &'static [(i64, i64)]) -> Self {
+        self.row.limits.also = also;
+        self
+    }
+
+    /// The value at delivery.
+    #[must_use]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked against the span of the type in the line above"
+    )]
+    pub const fn default(mut self, value: i64) -> Self {
+        let (lowest, highest) = T::DATA_TYPE.span();
+        assert!(lowest <= value && value <= highest, "default outside the type");
+        self.row.default = Default::Number(value as u32);
+        self
+    }
+
+    /// The value at delivery follows the node-ID: `base` plus node-ID.
+    #[must_use]
+    pub const fn default_node_id_plus(mut self, base: u32) -> Self {
+        self.row.default = Default::NodeIdPlus(base);
+        self
+    }
+
+    /// The text at delivery.
+    #[must_use]
+    pub const fn default_text(mut self, text: &'static str) -> Self {
+        assert!(text.len() == T::DATA_TYPE.len(), "the text does not have the object's length");
+        self.row.default = Default::Text(text);
+        self
+    }
+
+    /// What one step of the number means.
+    #[must_use]
+    pub const fn unit(mut self, unit: Unit) -> Self {
+        self.text.unit = unit;
+        self
+    }
+
+    /// Index and sub-index.
+    #[must_use]
+    pub const fn id(&self) -> ObjectId {
+        self.row.id
+    }
+
+    /// The row of the table.
+    #[must_use]
+    pub const fn row(&self) -> Row {
+        self.row
+    }
+
+    /// What only people read.
+    #[must_use]
+    pub const fn text(&self) -> Text {
+        self.text
+    }
+}
+
+impl Object<u8> {
+    /// Sub-index 0 of a record or array: the highest sub-index.
+    #[must_use]
+    pub const fn highest_sub_index(index: u16, name: &'static str, highest: u8) -> Self {
+        Self::new(index, 0, name).within(highest as i64, highest as i64).default(highest as i64)
+    }
+}
