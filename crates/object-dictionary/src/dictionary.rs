@@ -1,5 +1,5 @@
 use crate::object::{Object, Value};
-use crate::row::{Default, ObjectId, Row};
+use crate::row::{Access, Default, ObjectId, Row};
 
 /// The rows of a product in ascending order.
 #[derive(Debug)]
@@ -123,6 +123,9 @@ impl Dictionary {
 }
 
 const fn check(row: &Row) {
+    if matches!(row.access, Access::WriteOnly) {
+        return;
+    }
     if let Default::Number(value) = row.default {
         let number = row.data_type.number(value);
         let mut fits = row.limits.min <= number && number <= row.limits.max;

@@ -1,0 +1,25 @@
+//! The products: identity and object dictionary of each, written once. Everything that differs
+//! from one product to the next and is data is here.
+#![no_std]
+
+pub mod nm172;
+pub mod nm17x;
+
+use object_dictionary::Dictionary;
+
+/// What makes a product.
+#[derive(Debug)]
+pub struct Product {
+    /// Name on the command line and of the images.
+    pub slug: &'static str,
+    /// Designation on the display after power-on, without the letters a digit can not show.
+    pub designation: &'static str,
+    /// Object 0x1018:02.
+    pub code: u32,
+    /// Firmware version of both controllers in hundredths: 105 is V1.05.
+    pub firmware: u16,
+    /// All objects.
+    pub dictionary: &'static Dictionary,
+    /// Fingerprint of the dictionary.
+    pub fingerprint: u32,
+}
