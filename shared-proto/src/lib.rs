@@ -23,7 +23,14 @@ pub use to_interface::{ProcessData, ToInterface};
 pub const PROTOCOL: u16 = 1;
 
 /// Who is at the other end. Exchanged at the start and whenever either side restarts or loses the
-/// other; the link is in service once each side knows that the other heard it.
+/// other.
+///
+/// The rules, the same on both sides:
+/// - A side is in service from the first fitting `Hello` whose `heard` is its own nonce until it
+///   loses the other or meets a nonce it has not seen.
+/// - A `Hello` that is not yet `in_service` is answered with a `Hello`; one that is, is not.
+/// - Out of service a side says nothing but `Hello`: the application controller in every cycle, the
+///   interface controller in answer to whatever it receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
     /// [`PROTOCOL`] of the sender.
@@ -38,6 +45,8 @@ pub struct Hello {
     pub nonce: u32,
     /// The nonce last heard from the other side; 0 when none was.
     pub heard: u32,
+    /// Whether the sender considers the link in service.
+    pub in_service: bool,
 }
 
 impl Hello {

@@ -15,6 +15,7 @@ const HELLO: Hello = Hello {
     dictionary: 0xDEAD_BEEF,
     nonce: 0x0102_0304,
     heard: 0,
+    in_service: false,
 };
 const SUPERVISION: Supervision = Supervision { state: NodeState::Operational, node_id: 127 };
 
@@ -35,7 +36,7 @@ where
 #[test]
 fn to_application() {
     for (message, frozen) in [
-        (ToApplication::Hello(HELLO), "01 0d 01 71 69 ef fd b6 f5 0d 84 86 88 08 03 a3 25 00"),
+        (ToApplication::Hello(HELLO), "01 0d 01 71 69 ef fd b6 f5 0d 84 86 88 08 01 03 c7 d7 00"),
         (ToApplication::Idle(SUPERVISION), "06 01 02 7f b6 12 00"),
         (
             ToApplication::Write(
@@ -85,8 +86,8 @@ fn to_application() {
 fn to_interface() {
     for (message, frozen) in [
         (
-            ToInterface::Hello(Hello { heard: 0xFFFF_FFFF, ..HELLO }),
-            "01 14 01 71 69 ef fd b6 f5 0d 84 86 88 08 ff ff ff ff 0f b8 43 00",
+            ToInterface::Hello(Hello { heard: 0xFFFF_FFFF, in_service: true, ..HELLO }),
+            "01 15 01 71 69 ef fd b6 f5 0d 84 86 88 08 ff ff ff ff 0f 01 86 d0 00",
         ),
         (
             ToInterface::Process(ProcessData {
