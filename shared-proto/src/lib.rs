@@ -27,7 +27,8 @@ pub const PROTOCOL: u16 = 1;
 ///
 /// The rules, the same on both sides:
 /// - A side is in service from the first fitting `Hello` whose `heard` is its own nonce until it
-///   loses the other or meets a nonce it has not seen.
+///   loses the other or meets a nonce it has not seen. A new nonce also ends what was numbered: no
+///   write and no urgent order of the partner has been executed yet.
 /// - A `Hello` that is not yet `in_service` is answered with a `Hello`; one that is, is not.
 /// - Out of service a side says nothing but `Hello`: the application controller in every cycle, the
 ///   interface controller in answer to whatever it receives.

@@ -1,0 +1,5 @@
+//! The core of the CAN interface controller: the CANopen device, its copy of the application's
+//! values and its end of the link. Sans-IO: the firmware is a shell around [`Interface`].
+#![no_std]
+
+pub mod link;
