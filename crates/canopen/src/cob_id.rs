@@ -1,0 +1,128 @@
+use crate::frame::CanId;
+
+/// A node-ID, 1 to 127.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(u8);
+
+impl NodeId {
+    /// The node-ID `id`. `None` for 0 and above 127.
+    #[must_use]
+    pub const fn new(id: u8) -> Option<Self> {
+        if 1 <= id && id <= 127 { Some(Self(id)) } else { None }
+    }
+
+    /// The node-ID as a number, 1 to 127.
+    #[must_use]
+    pub const fn get(self) -> u8 {
+        self.0
+    }
+}
+
+/// The broadcast object of the network management (CiA 301, section 7.2.8).
+pub(crate) const NMT: CanId = CanId::from_low_bits(0);
+
+/// The peer-to-peer objects of the pre-defined connection set (CiA 301, section 7.3.3): their
+/// identifier is a function code plus the node-ID.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Service {
+    SdoResponse,
+    SdoRequest,
+    ErrorControl,
+}
+
+impl Service {
+    /// The identifier of this object at a node.
+    pub(crate) const fn id(self, node_id: NodeId) -> CanId {
+        let function_code: u32 = match self {
+            Self::SdoResponse => 0x580,
+            Self::SdoRequest => 0x600,
+            Self::ErrorControl => 0x700,
+        };
+        CanId::from_low_bits(function_code + node_id.0 as u32)
+    }
+}
+
+/// The 32 bits of a COB-ID object: an identifier and three flags (CiA 301, sections 7.5.2.5 and
+/// 7.5.2.37).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CobId(u32);
+
+impl CobId {
+    const INVALID: u32 = 1 << 31;
+    const GENERATE: u32 = 1 << 30;
+    const EXTENDED: u32 = 1 << 29;
+
+    pub(crate) const fn from_raw(raw: u32) -> Self {
+        Self(raw)
+    }
+
+    pub(crate) const fn can_id(self) -> CanId {
+        CanId::from_low_bits(self.0)
+    }
+
+    /// The identifier, unless bit 31 says that the PDO does not exist.
+    pub(crate) const fn pdo(self) -> Option<CanId> {
+        if self.0 & Self::INVALID == 0 { Some(self.can_id()) } else { None }
+    }
+
+    /// Whether a PDO may have it: eleven bits, and not one of the restricted identifiers.
+    pub(crate) fn suits_pdo(self) -> bool {
+        self.0 & Self::EXTENDED == 0 && !is_restricted(self.can_id())
+    }
+
+    /// Whether a SYNC consumer may have it: eleven bits, not asked to produce, and not one of the
+    /// restricted identifiers.
+    pub(crate) fn suits_sync_consumer(self) -> bool {
+        self.0 & (Self::EXTENDED | Self::GENERATE) == 0 && !is_restricted(self.can_id())
+    }
+}
+
+/// The identifiers no configurable object may use (CiA 301, section 7.3.5).
+fn is_restricted(id: CanId) -> bool {
+    matches!(
+        id.get(),
+        0x000..=0x07F
+            | 0x101..=0x180
+            | 0x581..=0x5FF
+            | 0x601..=0x67F
+            | 0x6E0..=0x6FF
+            | 0x701..=0x7FF
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// NM17x GEN-04.
+    #[test]
+    fn the_connection_set_follows_the_node_id() {
+        let node_id = NodeId::new(127).unwrap();
+        assert_eq!(Service::SdoResponse.id(node_id).get(), 0x5FF);
+        assert_eq!(Service::SdoRequest.id(node_id).get(), 0x67F);
+        assert_eq!(Service::ErrorControl.id(node_id).get(), 0x77F);
+        assert_eq!((NodeId::new(0), NodeId::new(128)), (None, None));
+    }
+
+    /// Decisions.
+    #[test]
+    fn restricted_identifiers_and_wrong_flags_are_refused() {
+        for (raw, pdo, sync) in [
+            (0x0000_0080, true, true),
+            (0x8000_0080, true, true),
+            (0x4000_0181, true, false),
+            (0xC000_057F, true, false),
+            (0x2000_0181, false, false),
+            (0x0000_0000, false, false),
+            (0x0000_0180, false, false),
+            (0x0000_0581, false, false),
+            (0x0000_0600, true, true),
+            (0x0000_067F, false, false),
+            (0x0000_0700, true, true),
+            (0x0000_07E4, false, false),
+        ] {
+            let cob_id = CobId::from_raw(raw);
+            assert_eq!((cob_id.suits_pdo(), cob_id.suits_sync_consumer()), (pdo, sync), "{raw:#x}");
+        }
+    }
+}

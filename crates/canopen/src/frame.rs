@@ -1,0 +1,113 @@
+/// Longest data field of a CAN frame, in bytes.
+pub const DATA_MAX: usize = 8;
+
+/// An 11-bit CAN identifier. The smaller one wins the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CanId(u16);
+
+/// A CAN frame with an 11-bit identifier. Frames with 29-bit identifiers never reach a device of
+/// this stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    id: CanId,
+    remote: bool,
+    len: u8,
+    data: [u8; DATA_MAX],
+}
+
+impl CanId {
+    /// Largest identifier.
+    pub const MAX: Self = Self(0x7FF);
+
+    /// The identifier `id`. `None` above 0x7FF.
+    #[must_use]
+    pub const fn new(id: u16) -> Option<Self> {
+        if id <= Self::MAX.0 { Some(Self(id)) } else { None }
+    }
+
+    /// Bits 10 to 0 of `raw`, as COB-IDs hold an identifier.
+    #[must_use]
+    pub const fn from_low_bits(raw: u32) -> Self {
+        let [low, high, ..] = raw.to_le_bytes();
+        Self(u16::from_le_bytes([low, high]) & Self::MAX.0)
+    }
+
+    /// The identifier as a number, 0 to 0x7FF.
+    #[must_use]
+    pub const fn get(self) -> u16 {
+        self.0
+    }
+}
+
+impl Frame {
+    /// A data frame. `None` when `data` is longer than [`DATA_MAX`].
+    #[must_use]
+    pub fn new(id: CanId, data: &[u8]) -> Option<Self> {
+        let mut bytes = [0; DATA_MAX];
+        bytes.get_mut(..data.len())?.copy_from_slice(data);
+        Some(Self { id, remote: false, len: u8::try_from(data.len()).ok()?, data: bytes })
+    }
+
+    /// A remote frame that asks for `len` bytes. `None` when `len` exceeds [`DATA_MAX`].
+    #[must_use]
+    pub fn new_remote(id: CanId, len: u8) -> Option<Self> {
+        let fits = usize::from(len) <= DATA_MAX;
+        fits.then_some(Self { id, remote: true, len, data: [0; DATA_MAX] })
+    }
+
+    /// A data frame of eight bytes.
+    #[must_use]
+    pub const fn full(id: CanId, data: [u8; DATA_MAX]) -> Self {
+        Self { id, remote: false, len: 8, data }
+    }
+
+    /// A data frame of one byte.
+    pub(crate) const fn single(id: CanId, byte: u8) -> Self {
+        Self { id, remote: false, len: 1, data: [byte, 0, 0, 0, 0, 0, 0, 0] }
+    }
+
+    /// A data frame of the first `len` bytes; all of them when there are fewer.
+    pub(crate) const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
+        Self { id, remote: false, len: if len < 8 { len } else { 8 }, data }
+    }
+
+    /// The identifier.
+    #[must_use]
+    pub const fn id(&self) -> CanId {
+        self.id
+    }
+
+    /// Whether it asks for data instead of carrying any.
+    #[must_use]
+    pub const fn is_remote(&self) -> bool {
+        self.remote
+    }
+
+    /// The data length code, 0 to 8. A remote frame has one without having data.
+    #[must_use]
+    pub const fn dlc(&self) -> u8 {
+        self.len
+    }
+
+    /// The data bytes; none in a remote frame.
+    #[must_use]
+    pub fn data(&self) -> &[u8] {
+        if self.remote { &[] } else { self.data.get(..usize::from(self.len)).unwrap_or(&[]) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_holds_up_to_eight_bytes_and_eleven_bits() {
+        let id = CanId::new(0x7FF).unwrap();
+        assert_eq!(CanId::new(0x800), None);
+        assert_eq!(Frame::new(id, &[0; 9]), None);
+        assert_eq!(Frame::new_remote(id, 9), None);
+        assert_eq!(Frame::new(id, &[1, 2]).unwrap().data(), [1, 2]);
+        assert_eq!(Frame::new_remote(id, 4).unwrap().data(), []);
+        assert_eq!(Frame::new_remote(id, 4).unwrap().dlc(), 4);
+    }
+}

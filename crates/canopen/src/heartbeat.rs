@@ -1,0 +1,73 @@
+use units::{Duration, Instant};
+
+/// The heartbeat producer (CiA 301, section 7.2.8.3.2.2; object 0x1017).
+///
+/// The boot-up message is the first heartbeat; the next follows one period later. A new period
+/// acts at once: the first heartbeat with it goes out immediately. Deadlines follow each other at
+/// exact distances however late they are served, so the period does not drift.
+#[derive(Debug, Default)]
+pub(crate) struct Producer {
+    period: Duration,
+    due_at: Option<Instant>,
+}
+
+impl Producer {
+    /// Takes the value of 0x1017 over, 0 to 65535 ms; 0 switches off.
+    pub(crate) fn set_period_ms(&mut self, period_ms: u32) {
+        self.period = Duration::from_millis(u64::from(period_ms));
+    }
+
+    /// Counts from the boot-up message.
+    pub(crate) fn start(&mut self, now: Instant) {
+        self.due_at = self.is_on().then(|| now + self.period);
+    }
+
+    /// Counts from now on, beginning with a heartbeat.
+    pub(crate) fn restart(&mut self, now: Instant) {
+        self.due_at = self.is_on().then_some(now);
+    }
+
+    pub(crate) fn stop(&mut self) {
+        self.due_at = None;
+    }
+
+    /// When the next heartbeat is due.
+    pub(crate) const fn due_at(&self) -> Option<Instant> {
+        self.due_at
+    }
+
+    /// Whether one is due; the next deadline is then set.
+    pub(crate) fn take_due(&mut self, now: Instant) -> bool {
+        let Some(due_at) = self.due_at.filter(|&due_at| due_at <= now) else { return false };
+        let next_at = due_at + self.period;
+        self.due_at = Some(if next_at > now { next_at } else { now + self.period });
+        true
+    }
+
+    fn is_on(&self) -> bool {
+        self.period > Duration::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(ms: u64) -> Instant {
+        Instant::ZERO + Duration::from_millis(ms)
+    }
+
+    /// NM17x HB-01.
+    #[test]
+    fn a_late_heartbeat_does_not_move_the_next() {
+        let mut producer = Producer::default();
+        producer.set_period_ms(100);
+        producer.start(at(10));
+        for (now, due, next) in [(109, false, 110), (113, true, 210), (215, true, 310)] {
+            assert_eq!(producer.take_due(at(now)), due, "at {now} ms");
+            assert_eq!(producer.due_at(), Some(at(next)), "at {now} ms");
+        }
+        assert!(producer.take_due(at(900)));
+        assert_eq!(producer.due_at(), Some(at(1_000)), "missed ones are not made up for");
+    }
+}

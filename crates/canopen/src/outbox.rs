@@ -1,0 +1,123 @@
+use core::mem;
+
+use heapless::Vec;
+
+use crate::frame::{CanId, Frame};
+
+/// Frames that may wait for a transmit mailbox at the same time.
+pub const TRANSMIT_MAX: usize = 16;
+
+/// Frames waiting for a transmit mailbox: the lower CAN-ID first, as the bus itself would decide,
+/// and in order among equal ones.
+///
+/// The last frame of the list is the next to go, so taking one moves nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Outbox {
+    frames: Vec<Frame, TRANSMIT_MAX>,
+    lost: u32,
+}
+
+impl Outbox {
+    /// Adds a frame behind those with the same identifier.
+    pub(crate) fn push(&mut self, frame: Frame) {
+        let at = self.frames.iter().take_while(|waiting| waiting.id() > frame.id()).count();
+        self.insert(at, frame);
+    }
+
+    /// Puts a frame back that a more urgent one pushed out of a mailbox: in front of those with the
+    /// same identifier.
+    pub(crate) fn give_back(&mut self, frame: Frame) {
+        let at = self.frames.iter().take_while(|waiting| waiting.id() >= frame.id()).count();
+        self.insert(at, frame);
+    }
+
+    /// The newest waiting frame with this identifier.
+    pub(crate) fn newest(&mut self, id: CanId) -> Option<&mut Frame> {
+        self.frames.iter_mut().find(|waiting| waiting.id() == id)
+    }
+
+    /// Adds a frame in place of an older one with the same identifier, if one waits.
+    pub(crate) fn supersede(&mut self, frame: Frame) {
+        match self.newest(frame.id()) {
+            Some(older) => *older = frame,
+            None => self.push(frame),
+        }
+    }
+
+    /// Drops the waiting frames that are not to be kept.
+    pub(crate) fn retain(&mut self, keep: impl FnMut(&Frame) -> bool) {
+        self.frames.retain(keep);
+    }
+
+    pub(crate) fn peek(&self) -> Option<&Frame> {
+        self.frames.last()
+    }
+
+    pub(crate) fn take(&mut self) -> Option<Frame> {
+        self.frames.pop()
+    }
+
+    /// How many frames were dropped because the list was full.
+    pub(crate) const fn lost(&self) -> u32 {
+        self.lost
+    }
+
+    /// Makes room at `at`. In a full list the least urgent frame goes, which is the new one when
+    /// its place would be the first.
+    fn insert(&mut self, at: usize, frame: Frame) {
+        let mut carried = frame;
+        if self.frames.push(frame).is_ok() {
+            for place in self.frames.iter_mut().skip(at) {
+                mem::swap(place, &mut carried);
+            }
+        } else {
+            self.lost = self.lost.saturating_add(1);
+            for place in self.frames.iter_mut().take(at).rev() {
+                mem::swap(place, &mut carried);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+
+    fn frame(id: u16, byte: u8) -> Frame {
+        Frame::single(CanId::new(id).unwrap(), byte)
+    }
+
+    fn drain(outbox: &mut Outbox) -> Vec<(u16, u8)> {
+        core::iter::from_fn(|| outbox.take()).map(|f| (f.id().get(), f.data()[0])).collect()
+    }
+
+    #[test]
+    fn the_lower_identifier_goes_first_and_equal_ones_keep_their_order() {
+        let mut outbox = Outbox::default();
+        for (id, byte) in [(0x700, 1), (0x580, 1), (0x180, 1), (0x580, 2), (0x700, 2)] {
+            outbox.push(frame(id, byte));
+        }
+        outbox.give_back(frame(0x580, 0));
+        outbox.supersede(frame(0x180, 9));
+        let order = [(0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 1), (0x700, 2)];
+        assert_eq!(drain(&mut outbox), order);
+        assert_eq!(outbox.lost(), 0);
+    }
+
+    #[test]
+    fn a_full_list_loses_its_least_urgent_frame() {
+        let mut outbox = Outbox::default();
+        for number in 0..16 {
+            outbox.push(frame(0x500 + u16::from(number), number));
+        }
+        outbox.push(frame(0x600, 99));
+        assert_eq!(outbox.lost(), 1, "the new one was the least urgent");
+        outbox.push(frame(0x100, 99));
+        assert_eq!(outbox.lost(), 2);
+        let left = drain(&mut outbox);
+        assert_eq!((left.len(), left[0], left[15]), (TRANSMIT_MAX, (0x100, 99), (0x50E, 14)));
+    }
+}

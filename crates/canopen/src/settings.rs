@@ -1,0 +1,83 @@
+use units::Duration;
+
+use crate::sdo::AbortCode;
+
+/// What products do differently, as data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// One step of the inhibit times 0x1800:03 and following.
+    pub inhibit_unit: Duration,
+    /// What starts a PDO of transmission type 254.
+    pub type_254: Trigger,
+    /// What starts a PDO of transmission type 255.
+    pub type_255: Trigger,
+    /// Which lengths an expedited download may indicate.
+    pub expedited: Expedited,
+    /// The abort codes that products choose differently.
+    pub abort_codes: AbortCodes,
+}
+
+/// What starts an event-driven PDO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// A change of the mapped data.
+    Change,
+    /// The event timer.
+    Timer,
+    /// Both.
+    ChangeOrTimer,
+}
+
+/// Which lengths an expedited download may indicate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Expedited {
+    /// 1, 2, 3 or 4 bytes; three fail for their length.
+    AnyLength,
+    /// 1, 2 or 4 bytes; three are an unknown command.
+    OneTwoOrFour,
+}
+
+/// The abort codes that products choose differently.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AbortCodes {
+    /// The indicated length is not that of the number.
+    pub number_length: AbortCode,
+    /// The length is not that of the text.
+    pub text_length: AbortCode,
+    /// Bytes beyond the number, sent without an indicated length, are not zero. `None` ignores
+    /// them.
+    pub excess_bytes: Option<AbortCode>,
+    /// The number lies above its only span.
+    pub above_maximum: AbortCode,
+    /// The number lies below its only span.
+    pub below_minimum: AbortCode,
+    /// The number lies outside several spans, or the product does not take it.
+    pub value_range: AbortCode,
+    /// The non-volatile memory did not take the value.
+    pub not_stored: AbortCode,
+}
+
+impl Settings {
+    /// As CiA 301 has it.
+    pub const CIA_301: Self = Self {
+        inhibit_unit: Duration::from_micros(100),
+        type_254: Trigger::ChangeOrTimer,
+        type_255: Trigger::ChangeOrTimer,
+        expedited: Expedited::AnyLength,
+        abort_codes: AbortCodes {
+            number_length: AbortCode::LENGTH_MISMATCH,
+            text_length: AbortCode::LENGTH_MISMATCH,
+            excess_bytes: None,
+            above_maximum: AbortCode::VALUE_TOO_HIGH,
+            below_minimum: AbortCode::VALUE_TOO_LOW,
+            value_range: AbortCode::VALUE_RANGE,
+            not_stored: AbortCode::HARDWARE_ERROR,
+        },
+    };
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::CIA_301
+    }
+}
