@@ -1,0 +1,56 @@
+//! `cargo xtask`: the one entry point to everything that is more than a single cargo call.
+
+use std::process::ExitCode;
+
+mod flash;
+mod images;
+mod python;
+mod qemu;
+mod run;
+mod size;
+mod test;
+mod tools;
+mod trace;
+mod up;
+
+use run::Failure;
+
+const HELP: &str = "\
+cargo xtask VERB
+
+  up PRODUCT [OPTIONS]     build the images and the bench, then start the bench with these options
+  test                     everything that has to pass: style, lints, documentation, all tests
+  ci                       the same as test
+  size                     flash and RAM of the images, and the crates that take most of it
+  perf                     measure the images on the bench
+  trace                    which requirement is shown by which test
+  flash PRODUCT --stm PROBE --msp PROBE
+                           build the images and write them to two boards
+
+Products: nm172";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match arguments.as_slice() {
+        ["up", rest @ ..] => up::up(rest),
+        ["test" | "ci"] => test::test(),
+        ["size"] => size::size(),
+        ["perf"] => up::perf(),
+        ["trace"] => trace::trace(),
+        ["flash", rest @ ..] => flash::flash(rest),
+        ["help" | "--help" | "-h"] => {
+            println!("{HELP}");
+            Ok(())
+        }
+        [] => Err(Failure::Usage(format!("a verb is missing\n\n{HELP}"))),
+        [verb @ ("test" | "ci" | "size" | "perf" | "trace"), extra, ..] => {
+            Err(Failure::Usage(format!("`cargo xtask {verb}` takes no `{extra}`")))
+        }
+        [verb, ..] => Err(Failure::Usage(format!("there is no verb `{verb}`\n\n{HELP}"))),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,68 @@
+//! What has to be installed, how that is found out, and what to type when it is not.
+
+use std::process::{Command, Stdio};
+
+use crate::images::TARGET;
+use crate::run::Failure;
+
+/// A program or component that cargo does not fetch on its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Tool {
+    /// The standard library for the controllers.
+    ThumbTarget,
+    /// An emulated Cortex-M4.
+    Qemu,
+    /// Python's own means to install packages apart from the system's.
+    PythonVenv,
+    /// Writes to the boards.
+    ProbeRs,
+}
+
+impl Tool {
+    fn is_there(self) -> bool {
+        match self {
+            Self::ThumbTarget => Command::new("rustc")
+                .args(["--print", "target-libdir", "--target", TARGET])
+                .output()
+                .ok()
+                .and_then(|output| String::from_utf8(output.stdout).ok())
+                .is_some_and(|dir| std::path::Path::new(dir.trim()).is_dir()),
+            Self::Qemu => runs("qemu-system-arm", &["--version"]),
+            Self::PythonVenv => runs("python3", &["-c", "import venv, ensurepip"]),
+            Self::ProbeRs => runs("probe-rs", &["--version"]),
+        }
+    }
+
+    fn advice(self) -> &'static str {
+        match self {
+            Self::ThumbTarget => {
+                "the standard library for the controllers is missing: rustup target add \
+                 thumbv7em-none-eabihf"
+            }
+            Self::Qemu => "qemu-system-arm is missing: sudo apt-get install qemu-system-arm",
+            Self::PythonVenv => {
+                "python3 with the venv module is missing: sudo apt-get install python3-venv"
+            }
+            Self::ProbeRs => {
+                "probe-rs is missing: cargo install probe-rs-tools --locked (it needs: sudo \
+                 apt-get install pkg-config libudev-dev)"
+            }
+        }
+    }
+}
+
+/// Names every tool that is missing, all at once.
+pub(crate) fn require(tools: &[Tool]) -> Result<(), Failure> {
+    let missing: Vec<String> =
+        tools.iter().filter(|tool| !tool.is_there()).map(|tool| tool.advice().to_owned()).collect();
+    if missing.is_empty() { Ok(()) } else { Err(Failure::Missing(missing)) }
+}
+
+fn runs(program: &str, arguments: &[&str]) -> bool {
+    Command::new(program)
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|status| status.success())
+}

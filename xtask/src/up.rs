@@ -1,0 +1,49 @@
+//! Programs that run on the bench.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::images;
+use crate::run::{self, Failure};
+
+/// Builds the bench and says where it is.
+pub(crate) fn build_bench() -> Result<PathBuf, Failure> {
+    run::step(&mut run::cargo(["build", "--package", "bench"]))?;
+    Ok(run::target_dir().join("debug").join("bench"))
+}
+
+/// Builds everything a product needs and becomes its bench: same terminal, same exit code.
+pub(crate) fn up(arguments: &[&str]) -> Result<(), Failure> {
+    let Some(name) = arguments.first().filter(|first| !first.starts_with('-')) else {
+        return Err(Failure::Usage("which product? Try: cargo xtask up nm172".to_owned()));
+    };
+    images::build(images::product(name)?)?;
+    let bench = build_bench()?;
+    become_program(Command::new(bench).arg("up").args(arguments))
+}
+
+/// Builds the images and runs the measuring program on them.
+pub(crate) fn perf() -> Result<(), Failure> {
+    for product in images::PRODUCTS {
+        images::build(product)?;
+    }
+    build_bench()?;
+    become_program(&mut run::cargo(["run", "--quiet", "--package", "tests-host", "--bin", "perf"]))
+}
+
+#[cfg(unix)]
+fn become_program(command: &mut Command) -> Result<(), Failure> {
+    use std::os::unix::process::CommandExt;
+    let error = command.exec();
+    Err(Failure::Step(format!("{}: {error}", command.get_program().to_string_lossy())))
+}
+
+#[cfg(not(unix))]
+fn become_program(command: &mut Command) -> Result<(), Failure> {
+    match command.status() {
+        Ok(status) => std::process::exit(status.code().unwrap_or(1)),
+        Err(error) => {
+            Err(Failure::Step(format!("{}: {error}", command.get_program().to_string_lossy())))
+        }
+    }
+}
