@@ -35,8 +35,7 @@ const _: () = {
 };
 
 /// What the HAL sets up at start: the clock tree and the priority of the DMA streams.
-#[must_use]
-pub fn config() -> Config {
+pub(crate) fn config() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(HSE_HZ), mode: HseMode::Bypass });
     config.rcc.pll_src = PllSource::HSE;

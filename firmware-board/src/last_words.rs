@@ -41,7 +41,7 @@ impl Write for LastWords {
 }
 
 /// Logs what the last run left behind, once. To be called first thing after start.
-pub fn report_last_words() {
+pub(crate) fn report_last_words() {
     #[expect(
         unsafe_code,
         reason = "nothing else runs yet; every bit pattern of the three fields is valid"

@@ -11,14 +11,21 @@ mod identity;
 mod last_words;
 mod link_port;
 mod parameter_flash;
+mod parameters;
 pub mod priority;
 mod reset_cause;
+mod start;
+mod start_number;
 mod watchdog;
 
-pub use clock::{APB1_HZ, APB2_HZ, SYSCLK_HZ, config};
+pub use clock::{APB1_HZ, APB2_HZ, SYSCLK_HZ};
 pub use identity::serial_number;
-pub use last_words::{report_last_words, stop, stop_on_fault};
-pub use link_port::{BIT_RATE, LinkPins, LinkReceiver, LinkTransmitter, RECEIVE_RING_LEN, open};
+pub use last_words::{stop, stop_on_fault};
+pub use link_port::{
+    LinkPins, LinkReceiver, LinkTransmitter, OUTBOX_LEN, Outbox, RECEIVE_RING_LEN, open, transmit,
+};
 pub use parameter_flash::ParameterFlash;
-pub use reset_cause::ResetCause;
+pub use parameters::Parameters;
+
+pub use start::{Started, start};
 pub use watchdog::{Beat, PET_EVERY, supervise};

@@ -6,10 +6,12 @@ use embassy_stm32::mode::Async;
 use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, PD5, PD6, USART2};
 use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
 use embassy_stm32::{Peri, bind_interrupts, dma};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::channel::Channel;
+use shared_proto::Encoded;
+use shared_proto::limits::{BIT_RATE, FRAME_MAX};
 use static_cell::ConstStaticCell;
 
-/// Bits per second on the link.
-pub const BIT_RATE: u32 = 460_800;
 /// Bytes the receive ring holds: 11 ms of a line that is never idle, so a reader may be away for
 /// more than a link cycle.
 pub const RECEIVE_RING_LEN: usize = 512;
@@ -20,7 +22,7 @@ const _: () = {
     assert!(half_ring_us > 5_000);
 };
 
-/// Sends by DMA. The bytes must not lie in CCM, which no DMA controller reaches.
+/// Sends by DMA.
 pub type LinkTransmitter = UartTx<'static, Async>;
 /// Receives by DMA into the ring; reading may be cancelled without losing a byte.
 pub type LinkReceiver = RingBufferedUartRx<'static>;
@@ -61,4 +63,27 @@ pub fn open(pins: LinkPins) -> (LinkTransmitter, LinkReceiver) {
     let uart = Uart::new(pins.uart, pins.rx, pins.tx, pins.tx_dma, pins.rx_dma, Interrupts, config);
     let (tx, rx) = defmt::unwrap!(uart).split();
     (tx, rx.into_ring_buffered(RECEIVE_RING.take()))
+}
+
+/// Frames on their way to [`transmit`]: an urgent one and what the cycle in hand brings.
+pub const OUTBOX_LEN: usize = 4;
+/// Encoded frames waiting for the line.
+pub type Outbox = Channel<CriticalSectionRawMutex, Encoded, OUTBOX_LEN>;
+
+/// Reached by DMA, so it lies in a static: no DMA controller reaches the stack in CCM.
+static TRANSMITTED: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
+
+/// Sends what is put into `outbox`.
+pub async fn transmit(outbox: &Outbox, mut port: LinkTransmitter) -> ! {
+    let bytes = TRANSMITTED.take();
+    loop {
+        let frame = outbox.receive().await;
+        let (bytes, _) = bytes.split_at_mut(frame.len().min(FRAME_MAX));
+        for (place, byte) in bytes.iter_mut().zip(&frame) {
+            *place = *byte;
+        }
+        if let Err(error) = port.write(bytes).await {
+            defmt::warn!("link: {}", error);
+        }
+    }
 }

@@ -3,7 +3,7 @@ use embassy_stm32::pac::RCC;
 
 /// The reasons of the last start. Several can be set; the most telling one comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
-pub enum ResetCause {
+pub(crate) enum ResetCause {
     /// The independent watchdog was not served.
     Watchdog,
     /// The program asked for it.
@@ -21,7 +21,7 @@ pub enum ResetCause {
 impl ResetCause {
     /// Reads the cause and clears the flags, so that the next start reports its own.
     #[must_use]
-    pub fn take() -> Self {
+    pub(crate) fn take() -> Self {
         let flags = RCC.csr().read();
         RCC.csr().modify(|w| w.set_rmvf(true));
         // Power-on also sets the brown-out flag, and every reset pulls the reset line.

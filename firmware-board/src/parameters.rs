@@ -1,0 +1,58 @@
+//! The numbers a controller keeps without supply.
+//!
+//! A device whose memory fails works on with what it has in RAM and says so in its log: an
+//! indicator that shows the position is worth more than one that stands still.
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::FLASH;
+use storage::{Opened, Record, Store, Stored, Value};
+
+use crate::ParameterFlash;
+
+/// The store in the parameter sectors; `None` if their flash could not be used.
+pub struct Parameters(Option<Store<ParameterFlash>>);
+
+impl Parameters {
+    /// Opens the store. Erases sectors if the memory is new, or if a loss of supply had interrupted
+    /// an erase; takes 0.25 s to 0.5 s per sector then.
+    pub async fn open(flash: Peri<'static, FLASH>) -> Self {
+        match Store::open(ParameterFlash::new(flash), 0..ParameterFlash::LEN).await {
+            Ok((store, opened)) => {
+                match opened {
+                    Opened::Blank => defmt::info!("parameters: memory is new"),
+                    Opened::Intact => {}
+                    Opened::Resumed => defmt::info!("parameters: finished an interrupted erase"),
+                    Opened::Lost => defmt::error!("parameters: unreadable, all at default"),
+                }
+                Self(Some(store))
+            }
+            Err(error) => {
+                defmt::error!("parameters: no memory ({})", defmt::Debug2Format(&error));
+                Self(None)
+            }
+        }
+    }
+
+    /// Hands over what is stored, key and number. A key may come several times: the last counts.
+    pub async fn load(&mut self, mut each: impl FnMut(u32, u32)) {
+        let Some(store) = &mut self.0 else { return };
+        let loaded = store.load_all(|record| {
+            if let Some(number) = record.value.as_u32() {
+                each(record.key, number);
+            }
+        });
+        if let Err(error) = loaded.await {
+            defmt::error!("parameters: not all read ({})", defmt::Debug2Format(&error));
+        }
+    }
+
+    /// Stores `number` under `key`, unless it is stored already.
+    pub async fn keep(&mut self, key: u32, number: u32) {
+        let Some(store) = &mut self.0 else { return };
+        match store.store(&Record { key, value: Value::from(number) }).await {
+            Ok(Stored::Written | Stored::Unchanged) => {}
+            Err(error) => {
+                defmt::error!("parameter {=u32:#x}: {}", key, defmt::Debug2Format(&error));
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The registers of CAN1 that are not left to `bxcan`: reception, because its frames cannot hold a
+//! data length code above 8, which the wire can carry; aborts that do not wait; the flags of the
+//! transmit mailboxes; error states.
+use canopen::{CanId, Frame};
+use embassy_stm32::pac::CAN1;
+use embassy_stm32::pac::can::regs::{Msr, Rfr, Tsr};
+
+/// Error state of the controller (ISO 11898-1), from harmless to cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub(crate) enum ErrorState {
+    Active,
+    Warning,
+    Passive,
+    BusOff,
+}
+
+pub(super) fn error_state() -> ErrorState {
+    let errors = CAN1.esr().read();
+    if errors.boff() {
+        ErrorState::BusOff
+    } else if errors.epvf() {
+        ErrorState::Passive
+    } else if errors.ewgf() {
+        ErrorState::Warning
+    } else {
+        ErrorState::Active
+    }
+}
+
+/// Lets changes of the error state interrupt. Single bit errors (LECIE) do not: a noisy bus would
+/// keep the core busy with nothing to decide.
+pub(super) fn report_error_states() {
+    CAN1.ier().modify(|w| {
+        w.set_ewgie(true);
+        w.set_epvie(true);
+        w.set_bofie(true);
+        w.set_errie(true);
+    });
+}
+
+/// Ends the interrupt raised by a change of the error state.
+pub(super) fn acknowledge_error_state() {
+    let mut flags = Msr(0);
+    flags.set_erri(true);
+    CAN1.msr().write_value(flags);
+}
+
+/// What became of a transmit request.
+#[derive(Clone, Copy)]
+pub(super) enum Outcome {
+    Sent,
+    Aborted,
+}
+
+/// The outcome of `mailbox` (0..=2) if its request ended since the last call.
+pub(super) fn take_outcome(mailbox: usize) -> Option<Outcome> {
+    let flags = CAN1.tsr().read();
+    if !flags.rqcp(mailbox) {
+        return None;
+    }
+    let outcome = if flags.txok(mailbox) { Outcome::Sent } else { Outcome::Aborted };
+    // Clears TXOK, ALST and TERR of this mailbox as well; the other bits ignore a zero.
+    let mut clear = Tsr(0);
+    clear.set_rqcp(mailbox, true);
+    CAN1.tsr().write_value(clear);
+    Some(outcome)
+}
+
+/// Whether a frame can be put into a mailbox at once.
+pub(super) fn has_free_mailbox() -> bool {
+    let flags = CAN1.tsr().read();
+    (0..3).any(|mailbox| flags.tme(mailbox))
+}
+
+/// Takes back the request of `mailbox` (0..=2). A frame that is on the wire is finished first: the
+/// outcome tells which it was.
+pub(super) fn abort(mailbox: usize) {
+    let mut request = Tsr(0);
+    request.set_abrq(mailbox, true);
+    CAN1.tsr().write_value(request);
+}
+
+/// What a receive FIFO has to say.
+pub(super) enum Received {
+    Frame(Frame),
+    /// A frame was lost since the last call because the FIFO was full.
+    Overrun,
+}
+
+/// The receive FIFOs.
+#[derive(Clone, Copy)]
+pub(super) enum Fifo {
+    Control = 0,
+    Data = 1,
+}
+
+/// Takes the oldest frame out of `fifo`. The filters let data frames with 11-bit identifiers
+/// through and nothing else. A data length code above 8 stands for eight bytes (ISO 11898-1).
+pub(super) fn receive(fifo: Fifo) -> Option<Received> {
+    let state = CAN1.rfr(fifo as usize);
+    let flags = state.read();
+    if flags.fovr() {
+        let mut clear = Rfr(0);
+        clear.set_fovr(true);
+        state.write_value(clear);
+        return Some(Received::Overrun);
+    }
+    if flags.fmp() == 0 {
+        return None;
+    }
+    let mailbox = CAN1.rx(fifo as usize);
+    let id = CanId::from_low_bits(u32::from(mailbox.rir().read().stid()));
+    let len = usize::from(mailbox.rdtr().read().dlc());
+    let [a, b, c, d] = mailbox.rdlr().read().0.to_le_bytes();
+    let [e, f, g, h] = mailbox.rdhr().read().0.to_le_bytes();
+    let data = [a, b, c, d, e, f, g, h];
+    let mut release = Rfr(0);
+    release.set_rfom(true);
+    state.write_value(release);
+    let short = data.get(..len).and_then(|data| Frame::new(id, data));
+    Some(Received::Frame(short.unwrap_or(Frame::full(id, data))))
+}
