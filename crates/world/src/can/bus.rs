@@ -191,6 +191,16 @@ impl Bus {
         self.busy
     }
 
+    /// The earliest instant something can happen on the wire, going by what is requested so far; an
+    /// engine whose devices are all asleep may put its next boundary a quantum behind it.
+    #[must_use]
+    pub fn next_activity(&self, ports: &[PortState]) -> Option<Nanos> {
+        if self.faults.stuck_dominant {
+            return Some(self.free_at.max(self.now));
+        }
+        self.next_start(ports)
+    }
+
     /// Decides what goes over the wire up to the boundary `now`. `ports` are the devices'
     /// controllers, always in the same order; the answer has one delivery for each.
     pub fn resolve(&mut self, now: Nanos, ports: &[PortState]) -> Vec<Delivery> {
