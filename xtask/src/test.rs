@@ -40,7 +40,10 @@ fn lint() -> Result<(), Failure> {
             "warnings",
         ]))?;
     }
-    Ok(())
+    let vectors = ["--package", "tests-qemu", "--features", "image", "--bin", "vectors"];
+    run::step(
+        run::cargo(["clippy", "--target", TARGET]).args(vectors).args(["--", "-D", "warnings"]),
+    )
 }
 
 fn document() -> Result<(), Failure> {
