@@ -57,7 +57,7 @@ pub enum ReadError {
     /// There is no value now.
     NoData,
     /// Whoever holds the value cannot be reached, or is overloaded.
-    Overloaded,
+    Hardware,
     /// Not in the present state of the device.
     DeviceState,
     /// Anything else.
@@ -74,7 +74,7 @@ pub enum WriteError {
     /// The non-volatile memory did not take it.
     NotStored,
     /// Whoever holds the value cannot be reached, or is overloaded.
-    Overloaded,
+    Hardware,
     /// Not in the present state of the device.
     DeviceState,
     /// Anything else.

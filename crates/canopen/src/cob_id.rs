@@ -25,6 +25,7 @@ pub(crate) const NMT: CanId = CanId::from_low_bits(0);
 /// identifier is a function code plus the node-ID.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Service {
+    Emergency,
     SdoResponse,
     SdoRequest,
     ErrorControl,
@@ -34,6 +35,7 @@ impl Service {
     /// The identifier of this object at a node.
     pub(crate) const fn id(self, node_id: NodeId) -> CanId {
         let function_code: u32 = match self {
+            Self::Emergency => 0x080,
             Self::SdoResponse => 0x580,
             Self::SdoRequest => 0x600,
             Self::ErrorControl => 0x700,

@@ -3,6 +3,7 @@
 
 mod application;
 mod cob_id;
+mod emcy;
 mod frame;
 mod heartbeat;
 mod nmt;

@@ -4,6 +4,7 @@ use units::Instant;
 
 use crate::application::Application;
 use crate::cob_id::{self, NodeId, Service};
+use crate::emcy;
 use crate::frame::{CanId, Frame};
 use crate::heartbeat;
 use crate::nmt::{Command, State};
@@ -20,6 +21,7 @@ const EVENTS_PER_CALL: usize = 2;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
 const SYNC_COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
+const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
 const NMT_STARTUP: ObjectId = ObjectId { index: 0x1F80, sub: 0 };
 
@@ -44,7 +46,7 @@ pub struct Node<const LEN: usize> {
     sdo: sdo::Server,
     tpdos: Vec<Tpdo, TPDO_MAX>,
     outbox: Outbox,
-    lost_reported: u32,
+    overflow: Overflow,
     filters_changed: bool,
     events: Deque<Event, EVENTS_MAX>,
 }
@@ -66,11 +68,19 @@ pub enum Event {
     ResetCommunication,
     /// [`Node::accepts`] changed.
     FiltersChanged,
-    /// Frames were dropped because too many waited for a mailbox.
+    /// Frames were dropped because too many waited for a mailbox. Comes once, until none waits any
+    /// more.
     TransmitOverflow {
         /// All since the node was built.
         lost: u32,
     },
+}
+
+/// An overflow is reported once, until all frames are gone: the report may itself send a frame.
+#[derive(Clone, Copy, Debug)]
+enum Overflow {
+    Reportable { lost_before: u32 },
+    Reported,
 }
 
 /// A kind of frame that a node listens to.
@@ -108,7 +118,7 @@ impl<const LEN: usize> Node<LEN> {
             sdo: sdo::Server::default(),
             tpdos,
             outbox: Outbox::default(),
-            lost_reported: 0,
+            overflow: Overflow::Reportable { lost_before: 0 },
             filters_changed: false,
             events: Deque::new(),
             values,
@@ -121,8 +131,7 @@ impl<const LEN: usize> Node<LEN> {
         if self.state != State::Initialising {
             return;
         }
-        let boot_up = State::Initialising.heartbeat_byte();
-        self.outbox.push(Frame::single(Service::ErrorControl.id(self.node_id), boot_up));
+        self.outbox.push_boot_up(self.boot_up());
         self.heartbeat.start(now);
         self.enter(now, State::PreOperational);
         if self.value(NMT_STARTUP) & SELF_STARTING != 0 {
@@ -176,13 +185,32 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Takes the frame out that [`Self::peek_transmit`] shows.
     pub fn take_transmit(&mut self) -> Option<Frame> {
-        self.outbox.take()
+        let frame = self.outbox.take();
+        if self.outbox.peek().is_none() && matches!(self.overflow, Overflow::Reported) {
+            self.overflow = Overflow::Reportable { lost_before: self.outbox.lost() };
+        }
+        frame
     }
 
     /// Takes a frame back that a more urgent one pushed out of its mailbox. It goes before those
     /// with the same identifier.
     pub fn give_back(&mut self, frame: Frame) {
-        self.outbox.give_back(frame);
+        if frame == self.boot_up() {
+            self.outbox.push_boot_up(frame);
+        } else {
+            self.outbox.give_back(frame);
+        }
+    }
+
+    /// Sends an emergency message with the present error register. Nothing in a state that has no
+    /// emergency messages: Initialising and Stopped (CiA 301, table 39).
+    pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
+        if !self.state.serves_sdo() {
+            return;
+        }
+        let [error_register, ..] = self.value(ERROR_REGISTER).to_le_bytes();
+        let id = Service::Emergency.id(self.node_id);
+        self.outbox.push(emcy::message(id, error_code, error_register, manufacturer));
     }
 
     /// What happened, the oldest first.
@@ -194,8 +222,13 @@ impl<const LEN: usize> Node<LEN> {
             return Some(Event::FiltersChanged);
         }
         let lost = self.outbox.lost();
-        let known = core::mem::replace(&mut self.lost_reported, lost);
-        (lost != known).then_some(Event::TransmitOverflow { lost })
+        match self.overflow {
+            Overflow::Reportable { lost_before } if lost_before != lost => {
+                self.overflow = Overflow::Reported;
+                Some(Event::TransmitOverflow { lost })
+            }
+            Overflow::Reportable { .. } | Overflow::Reported => None,
+        }
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.
@@ -291,8 +324,8 @@ impl<const LEN: usize> Node<LEN> {
             State::Stopped | State::Initialising => {
                 self.stop_pdos();
                 self.sdo.stop();
-                let answers = Service::SdoResponse.id(self.node_id);
-                self.outbox.retain(|frame| frame.id() != answers);
+                let error_control = Service::ErrorControl.id(self.node_id);
+                self.outbox.retain(|frame| frame.id() == error_control);
             }
         }
         self.report(Event::StateChanged { from, to });
@@ -310,21 +343,22 @@ impl<const LEN: usize> Node<LEN> {
         self.heartbeat.stop();
         self.sdo.stop();
         self.tpdos.iter_mut().for_each(Tpdo::stop);
-        self.outbox.retain(|_| false);
+        self.outbox.clear();
         self.report(reason);
     }
 
-    /// Heartbeats do not pile up behind a bus that takes nothing: the newest stands for all, and
+    /// Heartbeats do not pile up before a bus that takes nothing: the newest stands for all, and
     /// none follows a boot-up message that still waits.
     fn send_heartbeat(&mut self) {
-        let id = Service::ErrorControl.id(self.node_id);
-        let boot_up = State::Initialising.heartbeat_byte();
-        let heartbeat = Frame::single(id, self.state.heartbeat_byte());
-        match self.outbox.newest(id) {
-            Some(waiting) if waiting.data() == [boot_up] => {}
-            Some(waiting) => *waiting = heartbeat,
-            None => self.outbox.push(heartbeat),
+        if !self.outbox.holds_boot_up() {
+            let id = Service::ErrorControl.id(self.node_id);
+            self.outbox.supersede(Frame::single(id, self.state.heartbeat_byte()));
         }
+    }
+
+    const fn boot_up(&self) -> Frame {
+        let id = Service::ErrorControl.id(self.node_id);
+        Frame::single(id, State::Initialising.heartbeat_byte())
     }
 
     fn transmit_due(&mut self, now: Instant) {

@@ -2,7 +2,7 @@ use core::mem;
 
 use heapless::Vec;
 
-use crate::frame::{CanId, Frame};
+use crate::frame::Frame;
 
 /// Frames that may wait for a transmit mailbox at the same time.
 pub const TRANSMIT_MAX: usize = 16;
@@ -10,14 +10,26 @@ pub const TRANSMIT_MAX: usize = 16;
 /// Frames waiting for a transmit mailbox: the lower CAN-ID first, as the bus itself would decide,
 /// and in order among equal ones.
 ///
-/// The last frame of the list is the next to go, so taking one moves nothing.
+/// The last frame of the list is the next to go, so taking one moves nothing. The boot-up message
+/// goes before all others although its identifier is high: it tells that there is a node at all.
 #[derive(Debug, Default)]
 pub(crate) struct Outbox {
+    boot_up: Option<Frame>,
     frames: Vec<Frame, TRANSMIT_MAX>,
     lost: u32,
 }
 
 impl Outbox {
+    /// Adds the boot-up message.
+    pub(crate) fn push_boot_up(&mut self, frame: Frame) {
+        self.boot_up = Some(frame);
+    }
+
+    /// Whether the boot-up message still waits.
+    pub(crate) const fn holds_boot_up(&self) -> bool {
+        self.boot_up.is_some()
+    }
+
     /// Adds a frame behind those with the same identifier.
     pub(crate) fn push(&mut self, frame: Frame) {
         let at = self.frames.iter().take_while(|waiting| waiting.id() > frame.id()).count();
@@ -31,30 +43,31 @@ impl Outbox {
         self.insert(at, frame);
     }
 
-    /// The newest waiting frame with this identifier.
-    pub(crate) fn newest(&mut self, id: CanId) -> Option<&mut Frame> {
-        self.frames.iter_mut().find(|waiting| waiting.id() == id)
-    }
-
-    /// Adds a frame in place of an older one with the same identifier, if one waits.
+    /// Adds a frame in place of the newest one with the same identifier, if one waits.
     pub(crate) fn supersede(&mut self, frame: Frame) {
-        match self.newest(frame.id()) {
+        match self.frames.iter_mut().find(|waiting| waiting.id() == frame.id()) {
             Some(older) => *older = frame,
             None => self.push(frame),
         }
     }
 
-    /// Drops the waiting frames that are not to be kept.
+    /// Drops all frames.
+    pub(crate) fn clear(&mut self) {
+        self.boot_up = None;
+        self.frames.clear();
+    }
+
+    /// Drops the waiting frames that are not to be kept, the boot-up message excepted.
     pub(crate) fn retain(&mut self, keep: impl FnMut(&Frame) -> bool) {
         self.frames.retain(keep);
     }
 
     pub(crate) fn peek(&self) -> Option<&Frame> {
-        self.frames.last()
+        self.boot_up.as_ref().or(self.frames.last())
     }
 
     pub(crate) fn take(&mut self) -> Option<Frame> {
-        self.frames.pop()
+        self.boot_up.take().or_else(|| self.frames.pop())
     }
 
     /// How many frames were dropped because the list was full.
@@ -85,6 +98,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
+    use crate::frame::CanId;
 
     fn frame(id: u16, byte: u8) -> Frame {
         Frame::single(CanId::new(id).unwrap(), byte)
@@ -102,7 +116,9 @@ mod tests {
         }
         outbox.give_back(frame(0x580, 0));
         outbox.supersede(frame(0x180, 9));
-        let order = [(0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 1), (0x700, 2)];
+        outbox.push_boot_up(frame(0x77F, 0));
+        let order =
+            [(0x77F, 0), (0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 1), (0x700, 2)];
         assert_eq!(drain(&mut outbox), order);
         assert_eq!(outbox.lost(), 0);
     }

@@ -54,7 +54,7 @@ impl AbortCode {
     pub(crate) const fn of_read(error: ReadError) -> Self {
         match error {
             ReadError::NoData => Self::NO_DATA,
-            ReadError::Overloaded => Self::HARDWARE_ERROR,
+            ReadError::Hardware => Self::HARDWARE_ERROR,
             ReadError::DeviceState => Self::DEVICE_STATE,
             ReadError::Failed => Self::GENERAL,
         }
@@ -65,7 +65,7 @@ impl AbortCode {
             WriteError::ValueRange => codes.value_range,
             WriteError::WrongSignature => Self::NOT_STORED,
             WriteError::NotStored => codes.not_stored,
-            WriteError::Overloaded => Self::HARDWARE_ERROR,
+            WriteError::Hardware => Self::HARDWARE_ERROR,
             WriteError::DeviceState => Self::DEVICE_STATE,
             WriteError::Failed => Self::GENERAL,
         }

@@ -1,0 +1,25 @@
+//! The node as masters meet it.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    reason = "a test that meets what it does not expect has to fail"
+)]
+
+mod device;
+mod nmt;
+mod pdo;
+mod properties;
+mod script;
+mod sdo;
+mod transmit;
+mod vectors;
+
+use expect_test::Expect;
+
+/// Compares what the device with the settings of NM17x does in a script.
+#[track_caller]
+fn check(script: &str, expected: Expect) {
+    expected.assert_eq(&script::transcript(device::node(), script));
+}
