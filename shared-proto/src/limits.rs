@@ -24,8 +24,8 @@ const VARINT32_MAX: usize = 5;
 const _: () = {
     // Variant, first position, count, values.
     assert!(1 + VARINT16_MAX + 1 + SNAPSHOT_VALUES_MAX * VARINT32_MAX <= MESSAGE_MAX);
-    // Hello, the longest message of a fixed shape.
-    assert!(1 + 3 * VARINT16_MAX + 3 * VARINT32_MAX + 1 <= MESSAGE_MAX);
+    // Hello, the longest message of a fixed shape: variant, numbers, flag.
+    assert!(2 + 3 * VARINT16_MAX + 3 * VARINT32_MAX <= MESSAGE_MAX);
     // COBS adds one byte up to 254.
     assert!(MESSAGE_MAX + CRC_LEN <= 254);
     // Both frames of a cycle, process data and a snapshot, fit into it with room to spare.

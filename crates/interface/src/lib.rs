@@ -2,4 +2,10 @@
 //! values and its end of the link. Sans-IO: the firmware is a shell around [`Interface`].
 #![no_std]
 
+mod emergency;
+mod interface;
 pub mod link;
+mod nm17x;
+mod objects;
+
+pub use interface::{Boot, BusState, Event, Interface, Record};

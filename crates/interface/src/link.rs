@@ -55,7 +55,9 @@ pub enum Fault {
     Lost,
     /// 0x8310/02: a write was not acknowledged after all its repetitions, and is dropped.
     WriteNotAcknowledged,
-    /// The other image has another protocol, product or dictionary.
+    /// 0x8310/03: a value that its object does not permit.
+    CorruptValue,
+    /// 0x8310/05: the other image has another protocol, product or dictionary.
     Mismatch,
 }
 
@@ -136,6 +138,11 @@ impl Link {
     #[must_use]
     pub fn in_service(&self) -> bool {
         self.state != State::Greeting
+    }
+
+    /// The node-ID the application controller is told from now on.
+    pub fn set_node_id(&mut self, node_id: u8) {
+        self.supervision.node_id = node_id;
     }
 
     /// What the application controller is told of the node from now on.

@@ -7,6 +7,9 @@ pub mod nm17x;
 
 use object_dictionary::Dictionary;
 
+/// Objects of the largest product. Images keep room for so many values.
+pub const OBJECTS_MAX: usize = 256;
+
 /// What makes a product.
 #[derive(Debug)]
 pub struct Product {
@@ -15,7 +18,7 @@ pub struct Product {
     /// Designation on the display after power-on, without the letters a digit can not show.
     pub designation: &'static str,
     /// Object 0x1018:02.
-    pub code: u32,
+    pub code: u16,
     /// Firmware version of both controllers in hundredths: 105 is V1.05.
     pub firmware: u16,
     /// All objects.
@@ -23,3 +26,5 @@ pub struct Product {
     /// Fingerprint of the dictionary.
     pub fingerprint: u32,
 }
+
+const _: () = assert!(nm172::LEN <= OBJECTS_MAX);

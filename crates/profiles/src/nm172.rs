@@ -9,7 +9,7 @@ use crate::nm17x::*;
 pub static PRODUCT: Product = Product {
     slug: "nm172",
     designation: "172.A01",
-    code: PRODUCT_CODE.row().initial(0),
+    code: CODE,
     firmware: FIRMWARE,
     dictionary: &DICTIONARY,
     fingerprint: FINGERPRINT,
@@ -20,8 +20,11 @@ pub const DEVICE_NAME: Object<[u8; 14]> =
     Object::new(0x1008, 0, "Manufacturer device name").default_text("NM172 Standard");
 
 /// Sets the type apart.
-pub const PRODUCT_CODE: Object<u32> =
-    Object::new(0x1018, 2, "Product code").within(0x71, 0x71).default(0x71);
+pub const PRODUCT_CODE: Object<u32> = Object::new(0x1018, 2, "Identity - Product code")
+    .within(CODE as i64, CODE as i64)
+    .default(CODE as i64);
+
+const CODE: u16 = 0x71;
 
 /// Type of the application controller.
 pub const DEVICE_TYPE_MSP: Object<u32> =

@@ -1,0 +1,78 @@
+//! Emergency messages of the NM17x (manual 6.1; NM17x EMCY-02, EMCY-05) and the error register
+//!
+
+use crate::link;
+
+/// An error code with the maker's sub-code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Emergency {
+    pub(crate) code: u16,
+    sub_code: u8,
+}
+
+impl Emergency {
+    /// Nothing is wrong any more.
+    pub(crate) const NONE: Self = Self::new(0x0000, 0);
+    pub(crate) const BUS_WARNING: Self = Self::new(0x8100, 0);
+    pub(crate) const CAN_OVERRUN: Self = Self::new(0x8110, 0);
+    pub(crate) const BUS_PASSIVE: Self = Self::new(0x8120, 0);
+    pub(crate) const BUS_OFF_RECOVERED: Self = Self::new(0x8140, 0);
+    pub(crate) const WRITE_QUEUE_FULL: Self = Self::new(0x8301, 1);
+    pub(crate) const LINK_LOST: Self = Self::new(0x8310, 4);
+
+    const fn new(code: u16, sub_code: u8) -> Self {
+        Self { code, sub_code }
+    }
+
+    /// Bytes 3 to 7 of the message: the sub-code is the last one.
+    pub(crate) const fn manufacturer(self) -> [u8; 5] {
+        [0, 0, 0, 0, self.sub_code]
+    }
+}
+
+impl From<link::Fault> for Emergency {
+    fn from(fault: link::Fault) -> Self {
+        match fault {
+            link::Fault::ProcessDataMissing => Self::new(0x8310, 1),
+            link::Fault::WriteNotAcknowledged => Self::new(0x8310, 2),
+            link::Fault::CorruptValue => Self::new(0x8310, 3),
+            link::Fault::Lost => Self::LINK_LOST,
+            link::Fault::Mismatch => Self::new(0x8310, 5),
+        }
+    }
+}
+
+/// What keeps a bit of the error register set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Condition {
+    /// Error passive or bus-off.
+    Bus,
+    /// The link is out of service.
+    Link,
+    /// The application has an error.
+    Application,
+}
+
+/// The conditions that are present.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Conditions {
+    bus: bool,
+    link: bool,
+    application: bool,
+}
+
+impl Conditions {
+    pub(crate) const fn set(&mut self, condition: Condition, present: bool) {
+        match condition {
+            Condition::Bus => self.bus = present,
+            Condition::Link => self.link = present,
+            Condition::Application => self.application = present,
+        }
+    }
+
+    /// Object 0x1001: bit 0 with any condition, bit 4 communication, bit 7 application.
+    pub(crate) fn error_register(self) -> u8 {
+        let any = self.bus || self.link || self.application;
+        u8::from(any) | u8::from(self.bus) << 4 | u8::from(self.application) << 7
+    }
+}

@@ -1,0 +1,21 @@
+//! The ways of the NM17x on the bus.
+
+use canopen::{AbortCode, AbortCodes, Expedited, Settings, Trigger};
+use units::Duration;
+
+/// What NM17x devices do differently from CiA 301.
+pub(crate) static SETTINGS: Settings = Settings {
+    inhibit_unit: Duration::from_millis(1),
+    type_254: Trigger::Timer,
+    type_255: Trigger::Change,
+    expedited: Expedited::OneTwoOrFour,
+    abort_codes: AbortCodes {
+        number_length: AbortCode::UNSUPPORTED_ACCESS,
+        text_length: AbortCode::VALUE_RANGE,
+        excess_bytes: Some(AbortCode::VALUE_TOO_HIGH),
+        above_maximum: AbortCode::VALUE_RANGE,
+        below_minimum: AbortCode::VALUE_RANGE,
+        value_range: AbortCode::VALUE_RANGE,
+        not_stored: AbortCode::LOCAL_CONTROL,
+    },
+};
