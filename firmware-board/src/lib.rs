@@ -13,6 +13,7 @@ mod link_port;
 mod parameter_flash;
 mod parameters;
 pub mod priority;
+mod record_queue;
 mod reset_cause;
 mod start;
 mod start_number;
@@ -24,8 +25,8 @@ pub use last_words::{stop, stop_on_fault};
 pub use link_port::{
     LinkPins, LinkReceiver, LinkTransmitter, OUTBOX_LEN, Outbox, RECEIVE_RING_LEN, open, transmit,
 };
-pub use parameter_flash::ParameterFlash;
-pub use parameters::Parameters;
+pub use parameters::{Parameters, RECORDS_MAX, Records};
+pub use record_queue::RecordQueue;
 
 pub use start::{Started, start};
-pub use watchdog::{Beat, PET_EVERY, supervise};
+pub use watchdog::{Beat, SHOW_UP_EVERY, supervise};

@@ -19,16 +19,15 @@ const SECTORS: usize = 4;
 const WORD_LEN: usize = 4;
 
 /// The parameter sectors as NOR flash whose addresses start at zero.
-pub struct ParameterFlash(Flash<'static, Async>);
+pub(crate) struct ParameterFlash(Flash<'static, Async>);
 
 impl ParameterFlash {
     /// Bytes in the parameter sectors.
     #[expect(clippy::cast_possible_truncation, reason = "64 KB")]
-    pub const LEN: u32 = (SECTORS * SECTOR_LEN) as u32;
+    pub(crate) const LEN: u32 = (SECTORS * SECTOR_LEN) as u32;
 
     /// Takes the flash controller.
-    #[must_use]
-    pub fn new(flash: Peri<'static, FLASH>) -> Self {
+    pub(crate) fn new(flash: Peri<'static, FLASH>) -> Self {
         Self(Flash::new(flash, Interrupts))
     }
 

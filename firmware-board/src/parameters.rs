@@ -4,9 +4,15 @@
 //! indicator that shows the position is worth more than one that stands still.
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::FLASH;
+use heapless::LinearMap;
 use storage::{Opened, Record, Store, Stored, Value};
 
-use crate::ParameterFlash;
+use crate::parameter_flash::ParameterFlash;
+
+/// Keys a controller may use.
+pub const RECORDS_MAX: usize = 256;
+/// Numbers by their keys.
+pub type Records = LinearMap<u32, u32, RECORDS_MAX>;
 
 /// The store in the parameter sectors; `None` if their flash could not be used.
 pub struct Parameters(Option<Store<ParameterFlash>>);
@@ -32,21 +38,25 @@ impl Parameters {
         }
     }
 
-    /// Hands over what is stored, key and number. A key may come several times: the last counts.
-    pub async fn load(&mut self, mut each: impl FnMut(u32, u32)) {
-        let Some(store) = &mut self.0 else { return };
+    /// What is stored.
+    pub async fn load(&mut self) -> Records {
+        let mut records = Records::new();
+        let Some(store) = &mut self.0 else { return records };
         let loaded = store.load_all(|record| {
-            if let Some(number) = record.value.as_u32() {
-                each(record.key, number);
+            if let Some(number) = record.value.as_u32()
+                && records.insert(record.key, number).is_err()
+            {
+                defmt::error!("more parameters than places: {=u32:#x} not read", record.key);
             }
         });
         if let Err(error) = loaded.await {
             defmt::error!("parameters: not all read ({})", defmt::Debug2Format(&error));
         }
+        records
     }
 
     /// Stores `number` under `key`, unless it is stored already.
-    pub async fn keep(&mut self, key: u32, number: u32) {
+    pub(crate) async fn keep(&mut self, key: u32, number: u32) {
         let Some(store) = &mut self.0 else { return };
         match store.store(&Record { key, value: Value::from(number) }).await {
             Ok(Stored::Written | Stored::Unchanged) => {}

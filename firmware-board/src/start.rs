@@ -1,4 +1,6 @@
 //! What every image does first.
+use core::num::NonZeroU32;
+
 use embassy_stm32::Peripherals;
 
 use crate::clock::config;
@@ -11,8 +13,8 @@ use crate::start_number::count_start;
 pub struct Started {
     /// All peripherals.
     pub peripherals: Peripherals,
-    /// Tells this start from the one before; never zero.
-    pub number: u32,
+    /// Tells this start from the one before.
+    pub number: NonZeroU32,
 }
 
 /// Sets up clocks and priorities and logs why the controller started and what stopped it before.
@@ -21,7 +23,7 @@ pub fn start(image: &str) -> Started {
     let number = count_start();
     let peripherals = embassy_stm32::init(config());
     priority::assign();
-    defmt::info!("{=str}: start {=u32}, {}", image, number, ResetCause::take());
+    defmt::info!("{=str}: start {=u32}, {}", image, number.get(), ResetCause::take());
     report_last_words();
     Started { peripherals, number }
 }

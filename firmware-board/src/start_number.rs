@@ -4,6 +4,7 @@
 //! begins anew; both controllers share one supply, so there is nobody then who could remember.
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
+use core::num::NonZeroU32;
 
 #[repr(C)]
 struct Counter {
@@ -21,12 +22,12 @@ unsafe impl Sync for Kept {}
 #[unsafe(link_section = ".uninit.start_number")]
 static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// Counts this start. Never zero. To be called once.
-pub(crate) fn count_start() -> u32 {
+/// Counts this start. To be called once.
+pub(crate) fn count_start() -> NonZeroU32 {
     #[expect(unsafe_code, reason = "nothing else runs yet; every bit pattern is valid")]
     let kept = unsafe { (*KEPT.0.get()).assume_init_mut() };
     let before = if kept.starts == !kept.complement { kept.starts } else { 0 };
-    let starts = before.wrapping_add(1).max(1);
-    *kept = Counter { starts, complement: !starts };
+    let starts = NonZeroU32::new(before.wrapping_add(1)).unwrap_or(NonZeroU32::MIN);
+    *kept = Counter { starts: starts.get(), complement: !starts.get() };
     starts
 }

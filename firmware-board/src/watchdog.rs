@@ -1,13 +1,21 @@
 //! The independent watchdog (RM0090 chapter 21) and who has to be alive for it to be served.
+use core::future::Future;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use embassy_futures::select::{Either, select};
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Ticker};
 
 /// How often the watchdog is served, provided that everybody has shown up since the last time.
-pub const PET_EVERY: Duration = Duration::from_millis(25);
+const PET_EVERY: Duration = Duration::from_millis(25);
+
+/// How often a task shows up when nothing else makes it.
+pub const SHOW_UP_EVERY: Duration = Duration::from_ticks(PET_EVERY.as_ticks() / 2);
+
+/// Opening the memory may erase all four sectors, 0.5 s each.
+const START_WITHIN: Duration = Duration::from_secs(5);
 
 /// Microseconds until the reset at the nominal 32 kHz of the LSI.
 const BITE_AFTER_US: u32 = 200_000;
@@ -31,6 +39,23 @@ impl Beat {
     /// The task is alive.
     pub fn show(&self) {
         self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Shows up for a task that is still busy with `work` at the start, for [`START_WITHIN`] at
+    /// most.
+    pub async fn during<T>(&self, work: impl Future<Output = T>) -> T {
+        let keep_up = async {
+            let mut round = Ticker::every(SHOW_UP_EVERY);
+            for _ in 0..START_WITHIN.as_ticks() / SHOW_UP_EVERY.as_ticks() {
+                self.show();
+                round.next().await;
+            }
+            core::future::pending::<core::convert::Infallible>().await
+        };
+        match select(work, keep_up).await {
+            Either::First(result) => result,
+            Either::Second(never) => match never {},
+        }
     }
 
     fn shown(&self) -> bool {

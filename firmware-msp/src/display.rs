@@ -64,15 +64,8 @@ impl Pcf8576 {
     pub(crate) fn new(pins: Pins) -> Self {
         let mut config = i2c::Config::default();
         config.frequency = Hertz(BUS_HZ);
-        let i2c = I2c::new(
-            pins.i2c,
-            pins.clock,
-            pins.data,
-            pins.tx_dma,
-            pins.rx_dma,
-            Interrupts,
-            config,
-        );
+        let i2c =
+            I2c::new(pins.i2c, pins.clock, pins.data, pins.tx_dma, pins.rx_dma, Interrupts, config);
         Self { i2c, bytes: BYTES.take() }
     }
 

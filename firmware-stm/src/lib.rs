@@ -1,17 +1,67 @@
-//! Shell
+//! The shell of the CAN interface controller: pins, interrupts, tasks, flash, watchdog. What a
+//! CANopen device does is in `interface`; here is how frames, bytes and time reach it.
+//!
+//! Three levels (`firmware_board::priority`): the CAN handlers take frames out of the hardware, the
+//! core runs on an interrupt executor below them, and link, flash and watchdog run in thread mode.
 #![no_std]
+
 mod can;
 mod core_task;
+mod fatal;
+mod link;
 
-/// x
-pub fn x(p: embassy_stm32::Peripherals) {
-    let mut c = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
-    c.configure(125000, &[0]);
-    let _ = c.transmit(&canopen::Frame::full(canopen::CanId::MAX, [0; 8]));
-    c.join();
-    c.receive(can::Turn::Control);
-    c.take_lost();
-    c.poll_completed();
-    c.listen_for_outcomes();
-    c.error_state();
+use embassy_futures::join::join4;
+use firmware_board::{LinkPins, Parameters, supervise};
+use heapless::spsc::Queue;
+use interface::{Boot, Interface};
+use profiles::Product;
+use static_cell::{ConstStaticCell, StaticCell};
+
+/// Bytes between the link's task and the core, which is asked to look after each chunk.
+const LINK_QUEUE_LEN: usize = 256;
+
+/// Runs the controller of `product`.
+pub async fn run(product: &'static Product) -> ! {
+    static LINK_QUEUE: ConstStaticCell<Queue<u8, LINK_QUEUE_LEN>> =
+        ConstStaticCell::new(Queue::new());
+    static PARAMETERS: StaticCell<Parameters> = StaticCell::new();
+
+    let started = firmware_board::start("interface");
+    let p = started.peripherals;
+    let (to_core, from_application) = LINK_QUEUE.take().split();
+    let (link_tx, link_rx) = firmware_board::open(LinkPins {
+        uart: p.USART2,
+        rx: p.PD6,
+        tx: p.PD5,
+        tx_dma: p.DMA1_CH6,
+        rx_dma: p.DMA1_CH5,
+    });
+    let serve = async {
+        let (parameters, records) = core_task::BEAT
+            .during(async {
+                let parameters = PARAMETERS.init(Parameters::open(p.FLASH).await);
+                let records = parameters.load().await;
+                (parameters, records)
+            })
+            .await;
+        let boot =
+            Boot { serial_number: firmware_board::serial_number(), nonce: started.number.get() };
+        let mut interface = Interface::new(core_task::now(), product, boot);
+        for (key, number) in &records {
+            interface.restore(*key, *number);
+        }
+        let port = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
+        core_task::start(core_task::Core { interface, port, from_application });
+        core_task::RECORDS.serve(parameters).await
+    };
+    join4(
+        serve,
+        link::receive(link_rx, to_core),
+        firmware_board::transmit(&core_task::TO_APPLICATION, link_tx),
+        supervise(p.IWDG, &[&core_task::BEAT, &link::BEAT], core_task::wake),
+    )
+    .await;
+    loop {
+        core::future::pending::<()>().await;
+    }
 }

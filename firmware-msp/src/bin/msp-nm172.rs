@@ -1,2 +1,10 @@
-//! Firmware.
-fn main() {}
+//! The application controller of the NM172.
+#![no_std]
+#![no_main]
+
+use profiles::nm172;
+
+#[embassy_executor::main]
+async fn main(_spawner: embassy_executor::Spawner) {
+    firmware_msp::run(&nm172::PRODUCT).await
+}

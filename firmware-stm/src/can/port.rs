@@ -10,7 +10,7 @@ use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use bxcan::{Can, Data, Interrupts, StandardId};
-use canopen::Frame;
+use canopen::{Accepted, Frame};
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::peripherals::{CAN1, PD0, PD1};
@@ -81,7 +81,7 @@ pub(crate) struct Pins {
 /// How a frame left its mailbox.
 pub(crate) enum Completed {
     /// Another node acknowledged it.
-    Sent(Frame),
+    Sent,
     /// It was taken back for a more urgent one and has not been seen on the bus.
     Returned(Frame),
 }
@@ -95,8 +95,6 @@ pub(crate) struct Port {
     control: Consumer<'static, Frame>,
     data: Consumer<'static, Frame>,
     mailboxes: [Option<Pending>; MAILBOXES],
-    /// Sent, but its mailbox was taken again before the outcome was read.
-    overtaken: Option<Frame>,
     bit_rate: Option<u32>,
     joined: bool,
     _pins: (Flex<'static>, Flex<'static>),
@@ -131,7 +129,6 @@ impl Port {
             control,
             data,
             mailboxes: [const { None }; MAILBOXES],
-            overtaken: None,
             bit_rate: None,
             joined: false,
             _pins: (rx, tx),
@@ -149,9 +146,9 @@ impl Port {
     }
 
     /// Runs the bus at `bit_rate` (bit/s, one of the nine of CiA 301; another one changes nothing)
-    /// and accepts the identifiers `accepted`. Joins the bus anew only if the bit rate changed;
+    /// and receives the frames `accepted`. Joins the bus anew only if the bit rate changed;
     /// frames in the mailboxes are then forgotten.
-    pub(crate) fn configure(&mut self, bit_rate: u32, accepted: &[u16]) {
+    pub(crate) fn configure(&mut self, bit_rate: u32, accepted: impl Iterator<Item = Accepted>) {
         if self.bit_rate != Some(bit_rate) {
             let Some(timing) = bit_timing::register(bit_rate) else {
                 defmt::error!("no such bit rate: {=u32} bit/s", bit_rate);
@@ -166,7 +163,6 @@ impl Port {
             );
             registers::report_error_states();
             self.mailboxes = [const { None }; MAILBOXES];
-            self.overtaken = None;
             self.bit_rate = Some(bit_rate);
             self.joined = false;
         }
@@ -180,6 +176,11 @@ impl Port {
         if !self.joined && self.bit_rate.is_some() {
             self.joined = self.can.enable_non_blocking().is_ok();
         }
+        self.joined
+    }
+
+    /// What [`Port::join`] said last.
+    pub(crate) fn joined(&self) -> bool {
         self.joined
     }
 
@@ -207,9 +208,9 @@ impl Port {
             return Err(Busy);
         }
         let status = self.can.transmit(&wanted).map_err(|_| Busy)?;
-        let pending = Pending { frame: *frame, aborted: false };
         if let Some(mailbox) = self.mailboxes.get_mut(status.mailbox() as usize) {
-            self.overtaken = mailbox.replace(pending).map(|before| before.frame);
+            // Whatever was in there has been sent since the outcomes were read.
+            *mailbox = Some(Pending { frame: *frame, aborted: false });
         }
         Ok(())
     }
@@ -231,15 +232,12 @@ impl Port {
 
     /// What became of a frame given to [`Port::transmit`].
     pub(crate) fn poll_completed(&mut self) -> Option<Completed> {
-        if let Some(frame) = self.overtaken.take() {
-            return Some(Completed::Sent(frame));
-        }
         for (index, slot) in self.mailboxes.iter_mut().enumerate() {
             if let Some(outcome) = registers::take_outcome(index)
                 && let Some(pending) = slot.take()
             {
                 return Some(match outcome {
-                    Outcome::Sent => Completed::Sent(pending.frame),
+                    Outcome::Sent => Completed::Sent,
                     Outcome::Aborted => Completed::Returned(pending.frame),
                 });
             }
@@ -268,6 +266,15 @@ pub(crate) enum Turn {
     Data,
 }
 
+impl Turn {
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::Control => Self::Data,
+            Self::Data => Self::Control,
+        }
+    }
+}
+
 fn reset_controller_registers() -> Controller {
     rcc::enable_and_reset::<CAN1>();
     Controller
@@ -278,10 +285,13 @@ fn reset_controller() -> Can<Controller> {
     Can::builder(reset_controller_registers()).leave_disabled()
 }
 
-/// The filters give the node no other frames than data frames with 11-bit identifiers to answer.
 fn driver_frame(frame: &Frame) -> bxcan::Frame {
     let id = StandardId::new(frame.id().get()).unwrap_or(StandardId::MAX);
-    bxcan::Frame::new_data(id, Data::new(frame.data()).unwrap_or(Data::empty()))
+    if frame.is_remote() {
+        bxcan::Frame::new_remote(id, frame.dlc())
+    } else {
+        bxcan::Frame::new_data(id, Data::new(frame.data()).unwrap_or(Data::empty()))
+    }
 }
 
 #[interrupt]

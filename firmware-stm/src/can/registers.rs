@@ -4,6 +4,7 @@
 use canopen::{CanId, Frame};
 use embassy_stm32::pac::CAN1;
 use embassy_stm32::pac::can::regs::{Msr, Rfr, Tsr};
+use embassy_stm32::pac::can::vals::Rtr;
 
 /// Error state of the controller (ISO 11898-1), from harmless to cut off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -94,8 +95,10 @@ pub(super) enum Fifo {
     Data = 1,
 }
 
-/// Takes the oldest frame out of `fifo`. The filters let data frames with 11-bit identifiers
-/// through and nothing else. A data length code above 8 stands for eight bytes (ISO 11898-1).
+/// A data length code above 8 stands for eight bytes (ISO 11898-1).
+const DLC_MAX: u8 = 8;
+
+/// Takes the oldest frame out of `fifo`. The filters let 11-bit identifiers through only.
 pub(super) fn receive(fifo: Fifo) -> Option<Received> {
     let state = CAN1.rfr(fifo as usize);
     let flags = state.read();
@@ -109,14 +112,18 @@ pub(super) fn receive(fifo: Fifo) -> Option<Received> {
         return None;
     }
     let mailbox = CAN1.rx(fifo as usize);
-    let id = CanId::from_low_bits(u32::from(mailbox.rir().read().stid()));
-    let len = usize::from(mailbox.rdtr().read().dlc());
+    let head = mailbox.rir().read();
+    let id = CanId::from_low_bits(u32::from(head.stid()));
+    let len = mailbox.rdtr().read().dlc().min(DLC_MAX);
     let [a, b, c, d] = mailbox.rdlr().read().0.to_le_bytes();
     let [e, f, g, h] = mailbox.rdhr().read().0.to_le_bytes();
     let data = [a, b, c, d, e, f, g, h];
     let mut release = Rfr(0);
     release.set_rfom(true);
     state.write_value(release);
-    let short = data.get(..len).and_then(|data| Frame::new(id, data));
-    Some(Received::Frame(short.unwrap_or(Frame::full(id, data))))
+    let frame = match head.rtr() {
+        Rtr::DATA => data.get(..usize::from(len)).and_then(|data| Frame::new(id, data)),
+        Rtr::REMOTE => Frame::new_remote(id, len),
+    };
+    Some(Received::Frame(frame.unwrap_or(Frame::full(id, data))))
 }
