@@ -12,7 +12,7 @@ use units::{Duration, Instant};
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
 use crate::nm17x::SETTINGS;
-use crate::objects::{Objects, Outcome};
+use crate::objects::{Objects, Outcome, is_live};
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
@@ -347,7 +347,7 @@ impl Interface {
         for (position, &value) in (from..).zip(values) {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
-                Some(row) if row.owner != Owner::Application => {}
+                Some(row) if row.owner != Owner::Application || is_live(row.id) => {}
                 Some(row) if row.access != Access::ReadWrite || row.permits(value) => {
                     self.node.set_value(now, slot, value);
                 }

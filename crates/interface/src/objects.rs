@@ -11,6 +11,11 @@ use crate::link::{Link, QueueError};
 /// What process data carry: known only as long as they arrive.
 const LIVE: [ObjectId; 4] = [POSITION_VALUE.id(), STATUS.id(), ERRORS.id(), STATUS_REGISTER.id()];
 
+/// Whether process data carry the object.
+pub(crate) fn is_live(object: ObjectId) -> bool {
+    LIVE.contains(&object)
+}
+
 /// The way to the holder of an object, for as long as one frame is handled.
 #[derive(Debug)]
 pub(crate) struct Objects<'a> {
@@ -43,7 +48,7 @@ impl<'a> Objects<'a> {
 
 impl Application for Objects<'_> {
     fn read(&mut self, _slot: Slot, row: &Row) -> Result<(), ReadError> {
-        let known = if LIVE.contains(&row.id) {
+        let known = if is_live(row.id) {
             self.link.in_service()
         } else {
             row.owner == Owner::Interface || self.values_known
