@@ -125,10 +125,13 @@ impl Setpoint {
         self.sent
     }
 
-    /// The setpoint on the display (POS-12).
+    /// The setpoint on the display (POS-12), without the correction while that is off (POS-13).
     #[must_use]
-    pub const fn displayed(&self) -> Position {
-        self.sent.saturating_add(self.correction)
+    pub const fn displayed(&self, correction: Correction) -> Position {
+        match correction {
+            Correction::Off => self.sent,
+            Correction::On(_) => self.sent.saturating_add(self.correction),
+        }
     }
 }
 
@@ -210,14 +213,22 @@ mod tests {
         }
     }
 
-    /// NM17x POS-11, POS-12: 262.50 with a correction of −62.50 is shown as 200.00, and stays there
-    /// when the correction changes.
+    /// NM17x POS-11, POS-12, POS-13: 262.50 with a correction of −62.50 is shown as 200.00, and
+    /// stays there when the correction changes; the correction switched off is in nothing.
     #[test]
     fn a_setpoint_keeps_the_correction_it_was_set_with() {
-        let setpoint = Setpoint::new(hmm(26_250), Correction::On(hmm(-6_250)));
-        assert_eq!(setpoint.displayed(), hmm(20_000));
-        assert_eq!(setpoint.sent(), hmm(26_250));
-        assert_eq!(Setpoint::new(hmm(26_250), Correction::Off).displayed(), hmm(26_250));
+        let on = |length| Correction::On(hmm(length));
+        for (when_set, now, expected) in [
+            (on(-6_250), on(-6_250), 20_000),
+            (on(-6_250), on(1_000), 20_000),
+            (on(-6_250), Correction::Off, 26_250),
+            (Correction::Off, Correction::Off, 26_250),
+            (Correction::Off, on(-6_250), 26_250),
+        ] {
+            let setpoint = Setpoint::new(hmm(26_250), when_set);
+            assert_eq!(setpoint.displayed(now), hmm(expected), "set {when_set:?}, now {now:?}");
+            assert_eq!(setpoint.sent(), hmm(26_250));
+        }
     }
 
     fn any_params() -> impl Strategy<Value = Params> {

@@ -23,6 +23,12 @@ pub struct Params {
 }
 
 impl Filter {
+    /// A filter that has accepted `position`.
+    #[must_use]
+    pub const fn accepting(position: Steps) -> Self {
+        Self { accepted: Some(position), jumps: 0 }
+    }
+
     /// Takes a read in and gives the position that is valid after it.
     #[must_use]
     pub fn step(self, read: Steps, params: &Params) -> (Self, Steps) {
@@ -30,7 +36,7 @@ impl Filter {
             Some(valid) if is_jump(valid, read, params) && self.jumps < params.jumps_max => {
                 (Self { accepted: Some(valid), jumps: self.jumps + 1 }, valid)
             }
-            Some(_) | None => (Self { accepted: Some(read), jumps: 0 }, read),
+            Some(_) | None => (Self::accepting(read), read),
         }
     }
 
