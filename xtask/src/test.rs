@@ -1,12 +1,11 @@
 //! Everything that has to pass before a change is done.
 
+use std::fs;
+
 use crate::images::{self, TARGET};
 use crate::run::{self, Failure};
 use crate::tools::{self, Tool};
 use crate::{python, qemu, trace, up};
-
-/// Packages that exist for the controllers only.
-const FIRMWARE: &[&str] = &["firmware-board", "firmware-msp", "firmware-stm"];
 
 /// Style first, because it is cheap; then what takes longer and longer.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -26,9 +25,24 @@ pub(crate) fn test() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Packages that exist for the controllers only: `cargo` leaves them out unless they are named.
+fn firmware() -> Result<Vec<String>, Failure> {
+    let root = run::root();
+    let failed = |e: std::io::Error| Failure::Step(format!("{}: {e}", root.display()));
+    let mut packages = Vec::new();
+    for entry in fs::read_dir(&root).map_err(failed)? {
+        let name = entry.map_err(failed)?.file_name().to_string_lossy().into_owned();
+        if name.starts_with("firmware-") {
+            packages.push(name);
+        }
+    }
+    packages.sort();
+    Ok(packages)
+}
+
 fn lint() -> Result<(), Failure> {
     run::step(&mut run::cargo(["clippy", "--all-targets", "--", "-D", "warnings"]))?;
-    for package in FIRMWARE {
+    for package in &firmware()? {
         run::step(&mut run::cargo([
             "clippy",
             "--package",
@@ -49,8 +63,8 @@ fn lint() -> Result<(), Failure> {
 fn document() -> Result<(), Failure> {
     let flags = ("RUSTDOCFLAGS", "-D warnings");
     run::step(run::cargo(["doc", "--no-deps"]).env(flags.0, flags.1))?;
-    for package in FIRMWARE {
-        let arguments = ["doc", "--no-deps", "--lib", "--package", package, "--target", TARGET];
+    for package in &firmware()? {
+        let arguments = ["doc", "--no-deps", "--lib", "--target", TARGET, "--package", package];
         run::step(run::cargo(arguments).env(flags.0, flags.1))?;
     }
     Ok(())

@@ -1,0 +1,75 @@
+"""A bench in a process of its own, and a CANopen master written by others attached to it."""
+
+import json
+import os
+import socket
+import subprocess
+
+import canopen
+import pytest
+
+# Bounds a hang; nothing is timed by it.
+ANSWER_TIME_MAX_S = 60
+
+
+class Bench:
+    """The device on its virtual bus, with virtual time following the wall clock."""
+
+    def __init__(self, product):
+        self.process = subprocess.Popen(
+            [os.environ.get("SPINDLE_BENCH", "target/debug/bench"), "up", product, "--no-tui"]
+            + ["--slcan", "127.0.0.1:0", "--control", "127.0.0.1:0"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        line = self.process.stdout.readline()
+        assert line, "the bench is not up"
+        ready = json.loads(line)
+        self.slcan = "socket://" + ready["slcan"]
+        host, port = ready["control"].rsplit(":", 1)
+        self.control = socket.create_connection((host, int(port)), timeout=ANSWER_TIME_MAX_S)
+        self.answers = self.control.makefile("r")
+
+    def tell(self, verb, **fields):
+        """Asks the control port and expects that it was done."""
+        self.control.sendall((json.dumps({"id": 1, "do": verb, **fields}) + "\n").encode())
+        answer = json.loads(self.answers.readline())
+        assert answer["ok"], f"{verb} {fields}: {answer.get('error')}"
+        return answer
+
+    def stop(self):
+        """Ends the bench as a user does; it says whether something was wrong with the run."""
+        self.process.send_signal(subprocess.signal.SIGINT)
+        return self.process.wait(timeout=ANSWER_TIME_MAX_S)
+
+
+@pytest.fixture
+def bench():
+    bench = Bench("nm172")
+    yield bench
+    assert bench.stop() == 0
+
+
+@pytest.fixture
+def network(bench):
+    network = canopen.Network()
+    network.connect(interface="slcan", channel=bench.slcan, bitrate=125000, sleep_after_open=0)
+    yield network
+    network.disconnect()
+
+
+@pytest.fixture
+def node(network):
+    """Node 127 in Pre-operational, after a restart that the master has seen."""
+    node = network.add_node(canopen.RemoteNode(127, canopen.ObjectDictionary()))
+    node.sdo.RESPONSE_TIMEOUT = 5
+    node.sdo.MAX_RETRIES = 0
+    restart(node)
+    return node
+
+
+def restart(node):
+    """Sends Reset Node and waits for the boot-up message."""
+    node.nmt.state = "RESET"
+    node.nmt.wait_for_bootup(timeout=10)
