@@ -224,7 +224,9 @@ fn take_ids<'a>(mut words: &'a [&'a str], found: &mut BTreeSet<String>) -> &'a [
                     found.extend(between(first, &id));
                 }
                 range = false;
-                found.insert(id.clone());
+                if is_requirement(&id) {
+                    found.insert(id.clone());
+                }
                 last = Some(id);
                 if !matches!(behind, "" | ",") {
                     return tail;
@@ -236,7 +238,13 @@ fn take_ids<'a>(mut words: &'a [&'a str], found: &mut BTreeSet<String>) -> &'a [
     words
 }
 
-/// `POS-04` or `OD-2000-1` at the start of a word, and what follows it.
+/// Whether an ID is one of a requirement. Decisions (`A-54`) and telegrams (`V-SDO-4`, `D-03`) may
+/// be named along with them.
+fn is_requirement(id: &str) -> bool {
+    id.split('-').next().is_some_and(|group| group.len() >= 2)
+}
+
+/// `POS-04`, `OD-2000-1` or `V-SDO-4` at the start of a word, and what follows it.
 fn id_in(word: &str) -> Option<(String, &str)> {
     let end = word
         .find(|c: char| !c.is_ascii_uppercase() && !c.is_ascii_digit() && c != '-')
@@ -244,7 +252,6 @@ fn id_in(word: &str) -> Option<(String, &str)> {
     let (id, behind) = word.split_at(end);
     let (group, number) = id.rsplit_once('-')?;
     let is_id = group.starts_with(|c: char| c.is_ascii_uppercase())
-        && group.len() >= 2
         && !number.is_empty()
         && number.bytes().all(|digit| digit.is_ascii_digit());
     is_id.then(|| (id.to_owned(), behind))
@@ -280,6 +287,8 @@ mod tests {
             ("# QX9 SDO-01 SDO-02", "SDO-01 SDO-02"),
             ("/// POS-04 of another product", ""),
             ("/// QX9 decision A-54", ""),
+            ("/// QX9 POS-04, A-54, V-SDO-4 and D-03; POS-05", "POS-04"),
+            ("/// QX9 V-SDO-1, SDO-10", "SDO-10"),
         ] {
             let found: Vec<_> = named(code, "qx9").into_iter().collect();
             assert_eq!(found.join(" "), expected, "{code}");
