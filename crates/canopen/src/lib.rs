@@ -1,4 +1,38 @@
 //! A CANopen device, CiA 301, without a bus, a clock or a task of its own.
+//!
+//! [`Node`] is the whole device towards the bus. Frames and time go in, frames and events come out;
+//! the product hangs on the object dictionary and on the few hooks of [`Application`]. What products
+//! do differently is data: their dictionary, and [`Settings`].
+//!
+//! ```text
+//! controller ── handle_frame ──→ ┌──────┐ ←── set_value ────── product
+//!            ←─ take_transmit ── │ Node │ ─── poll_event ────→
+//! clock ─────── handle_timeout → └──────┘ ─── Application ───→
+//! ```
+//!
+//! | CiA 301 | here |
+//! |---|---|
+//! | NMT slave, boot-up, self-start (0x1F80) | all commands; a reset is an event for the core above |
+//! | error control | heartbeat producer |
+//! | SDO server | one; expedited and segmented, both ways |
+//! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
+//! | SYNC | consumer |
+//! | EMCY | messages on request of the core above |
+//!
+//! **Concurrency.** A node is one value with `&mut` methods and no interior sharing: run it where
+//! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
+//!
+//! **Work.** One frame costs one look into the dictionary (a binary search) and at most one pass
+//! over the transmit PDOs. There is no tick: between the instants of [`Node::poll_timeout`] nothing
+//! is due. Frames for others cost three comparisons, and none at all where the controller filters by
+//! [`Node::accepts`].
+//!
+//! **Memory.** All bounds are constants: [`TRANSMIT_MAX`] frames wait for mailboxes, and what does
+//! not fit is counted and reported. PDOs and heartbeats that wait are replaced by newer ones, so only
+//! clients that do not wait for their answers, and emergencies in great number, can fill it.
+//!
+//! **Bad input.** Every frame is defined input. One that is no request for this node changes
+//! nothing; one that is has exactly one answer.
 #![no_std]
 
 mod application;

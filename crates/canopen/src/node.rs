@@ -293,11 +293,11 @@ impl<const LEN: usize> Node<LEN> {
         let Some(request) = sdo::Request::parse(frame.data()) else { return };
         let mut objects = Objects::new(&mut self.values, application, self.settings);
         let response = self.sdo.handle(now, request, &mut objects);
-        let stored = objects.stored();
+        let changed = objects.changed();
         if let Some(response) = response {
             self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
         }
-        if let Some(slot) = stored {
+        if let Some(slot) = changed {
             self.note_change(now, slot);
             self.handle_timeout(now);
         }

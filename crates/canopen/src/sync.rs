@@ -17,9 +17,9 @@ impl Consumer {
         self.id
     }
 
-    /// Whether the frame is a SYNC. Producers send it without data or with a counter of one byte;
+    /// Whether the data frame is a SYNC. Producers send it without data or with a counter of one byte;
     /// both count, the byte itself means nothing here.
     pub(crate) fn recognises(self, frame: &Frame) -> bool {
-        frame.id() == self.id && !frame.is_remote() && frame.dlc() <= 1
+        frame.id() == self.id && frame.dlc() <= 1
     }
 }

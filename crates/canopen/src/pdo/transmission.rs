@@ -43,3 +43,19 @@ impl Transmission {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// NM17x PDO-02, PDO-03, PDO-04; decision A-11: a type is writable if and only if it means
+    /// something.
+    #[test]
+    fn every_known_type_means_something() {
+        for transmission_type in 0..=256 {
+            let transmission = Transmission::new(transmission_type, &Settings::CIA_301);
+            let known = Transmission::is_known(transmission_type);
+            assert_eq!(known, transmission != Transmission::Never, "{transmission_type}");
+        }
+    }
+}

@@ -12,7 +12,7 @@ pub(crate) struct Objects<'a, A, const LEN: usize> {
     values: &'a mut Values<LEN>,
     application: &'a mut A,
     settings: &'a Settings,
-    stored: Option<Slot>,
+    changed: Option<Slot>,
 }
 
 /// An entry that a client may access.
@@ -28,12 +28,12 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         application: &'a mut A,
         settings: &'a Settings,
     ) -> Self {
-        Self { values, application, settings, stored: None }
+        Self { values, application, settings, changed: None }
     }
 
-    /// The number that was stored, if one was.
-    pub(crate) const fn stored(&self) -> Option<Slot> {
-        self.stored
+    /// The number that was written, if it became another one.
+    pub(crate) const fn changed(&self) -> Option<Slot> {
+        self.changed
     }
 
     /// The entry, if it may be read now.
@@ -111,11 +111,11 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         let raw = self.permitted(row, bytes)?;
         let written = self.application.write(slot, row, raw);
         match written.map_err(|error| AbortCode::of_write(error, codes))? {
-            Written::Taken => {
+            Written::Taken if self.values.raw(slot) != raw => {
                 self.values.set_raw(slot, raw);
-                self.stored = Some(slot);
+                self.changed = Some(slot);
             }
-            Written::Ignored => {}
+            Written::Taken | Written::Ignored => {}
         }
         Ok(())
     }

@@ -18,7 +18,9 @@ fn changes_go_out_at_once_or_when_the_inhibit_time_ends() {
         160 set 6004:00 3
         170 set 6004:00 4
         400 set 6004:00 4
+        405 < 67F 2B 01 25 04 FF FF 00 00
         410 set 204E:02 7
+        415 < 67F 2B 01 25 04 01 00 00 00
         420 set 6004:00 -5
         430 < 000 80 00
         440 set 6004:00 6
@@ -32,7 +34,11 @@ fn changes_go_out_at_once_or_when_the_inhibit_time_ends() {
             0020 > 2FF [8] 01 00 00 00 00 00 00 00
             0150 > 2FF [8] 02 00 00 00 FF FF 00 10
             0230 > 2FF [8] 04 00 00 00 FF FF 00 10
-            0420 > 2FF [8] FB FF FF FF FF FF 00 10
+            0405 < 67F [8] 2B 01 25 04 FF FF 00 00
+            0405 > 5FF [8] 60 01 25 04 00 00 00 00
+            0415 < 67F [8] 2B 01 25 04 01 00 00 00
+            0415 > 2FF [8] 04 00 00 00 01 00 00 10
+            0415 > 5FF [8] 60 01 25 04 00 00 00 00
             0430 < 000 [2] 80 00
             0430 * Operational to PreOperational
         "#]],

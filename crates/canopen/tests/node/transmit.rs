@@ -76,6 +76,37 @@ fn an_overflow_is_reported_once() {
     }
 }
 
+/// NM17x NMT-04: PDOs that still wait when the node leaves Operational are not sent.
+#[test]
+fn waiting_pdos_end_with_operational() {
+    let mut node = node();
+    node.boot(Instant::ZERO);
+    receive(&mut node, 0x000, &[0x01, 0x7F]);
+    receive(&mut node, 0x67F, &[0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
+    receive(&mut node, 0x000, &[0x80, 0x7F]);
+    assert_eq!(waiting(&mut node), [(0x77F, 0x00), (0x5FF, 0x43)]);
+}
+
+/// NM17x PDO-03: a PDO that is served late does not make the next one late.
+#[test]
+fn the_event_timer_does_not_drift() {
+    let mut node = node();
+    let mut set_parameter = |sub, value| {
+        let slot = DICTIONARY.find(ObjectId { index: 0x1801, sub }).unwrap();
+        node.set_value(Instant::ZERO, slot, value);
+    };
+    for (sub, value) in [(2, 254), (3, 0), (5, 10)] {
+        set_parameter(sub, value);
+    }
+    node.boot(Instant::ZERO);
+    receive(&mut node, 0x000, &[0x01, 0x7F]);
+    for (late_ms, next_ms) in [(13, 20), (20, 30), (39, 40), (75, 85)] {
+        node.handle_timeout(Instant::ZERO + Duration::from_millis(late_ms));
+        let next_at = Instant::ZERO + Duration::from_millis(next_ms);
+        assert_eq!(node.poll_timeout(), Some(next_at), "served at {late_ms} ms");
+    }
+}
+
 /// Decision A-36: a stopped node sends nothing that was meant for before.
 #[test]
 fn a_stopped_node_keeps_its_error_control_only() {
