@@ -25,7 +25,7 @@ const _: () = {
     assert!(BITE_AFTER_US as u64 * 32 / 47 > 3 * PET_EVERY.as_micros());
 };
 
-/// The sign of life of one task: set by the task in less than [`PET_EVERY`], taken by the
+/// The sign of life of one task: set by the task in less than 25 ms, taken by the
 /// watchdog.
 pub struct Beat(AtomicBool);
 
@@ -41,7 +41,7 @@ impl Beat {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Shows up for a task that is still busy with `work` at the start, for [`START_WITHIN`] at
+    /// Shows up for a task that is still busy with `work` at the start, for 5 s at
     /// most.
     pub async fn during<T>(&self, work: impl Future<Output = T>) -> T {
         let keep_up = async {
