@@ -19,6 +19,9 @@ use units::{Duration, Instant};
 use crate::parameters::{Parameters, Run};
 
 const LOST_AFTER: Duration = Duration::from_millis(LOST_AFTER_MS);
+/// In every cycle of this number a few values are sent unasked, one row after the other. Whatever
+/// was lost on the line, the copy of the other controller is true again after a round.
+const REFRESH_CYCLES: u8 = 8;
 
 /// What the other controller wants done. It is acknowledged with the next process data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +71,8 @@ pub(crate) struct Link {
     answer_due: bool,
     /// Values from this position of the dictionary on are wanted.
     wanted_from: Option<u16>,
+    /// Where the round of values that nobody asked for goes on.
+    refresh_from: u16,
 }
 
 impl Link {
@@ -88,6 +93,7 @@ impl Link {
             values_due: false,
             answer_due: false,
             wanted_from: None,
+            refresh_from: 0,
         }
     }
 
@@ -139,7 +145,8 @@ impl Link {
     }
 
     /// The next message to send: an answer to a greeting; the process data or the greeting of the
-    /// cycle; then, once in a cycle, values that were asked for, else values to tell.
+    /// cycle; then, once in a cycle, values that were asked for, else values to tell, else now and
+    /// then some of the round.
     pub(crate) fn poll(
         &mut self,
         report: &Report,
@@ -152,7 +159,10 @@ impl Link {
             return Some(self.cycle_message(report));
         }
         if core::mem::take(&mut self.values_due) && self.in_service() {
-            let (from, values) = self.wanted(parameters).or_else(|| parameters.poll_tell())?;
+            let (from, values) = self
+                .wanted(parameters)
+                .or_else(|| parameters.poll_tell())
+                .or_else(|| self.refresh(parameters))?;
             return Some(ToInterface::Snapshot { from, values });
         }
         None
@@ -227,6 +237,18 @@ impl Link {
         let values = parameters.run(from);
         let len = u16::try_from(values.len()).ok().filter(|len| *len > 0)?;
         self.wanted_from = from.checked_add(len);
+        Some((from, values))
+    }
+
+    fn refresh(&mut self, parameters: &Parameters) -> Option<(u16, Run)> {
+        if !self.cycle.is_multiple_of(REFRESH_CYCLES) {
+            return None;
+        }
+        let rows = parameters.own_rows();
+        let from = if rows.contains(&self.refresh_from) { self.refresh_from } else { rows.start };
+        let values = parameters.run(from);
+        let len = u16::try_from(values.len()).unwrap_or(u16::MAX);
+        self.refresh_from = from.saturating_add(len);
         Some((from, values))
     }
 }

@@ -1,6 +1,8 @@
 //! The values of the objects, and which of them the storage and the other controller do not have
 //! yet.
 
+use core::ops::Range;
+
 use heapless::Vec;
 use object_dictionary::{
     Access, Dictionary, Number, Object, ObjectId, Owner, Row, Slot, Storage, Values,
@@ -144,6 +146,13 @@ impl Parameters {
             .collect()
     }
 
+    /// From the first row of this controller to the end of the dictionary.
+    pub(crate) fn own_rows(&self) -> Range<u16> {
+        let rows = self.values.dictionary().rows();
+        let first = rows.iter().position(|row| row.owner == Owner::Application);
+        position(first.unwrap_or(rows.len()))..position(rows.len())
+    }
+
     fn find(&self, id: ObjectId) -> Result<(Slot, &'static Row), Rejected> {
         let dictionary = self.values.dictionary();
         let slot = dictionary.find(id).map_err(|_| Rejected::Missing)?;
@@ -177,6 +186,11 @@ fn stores(row: &Row) -> bool {
         (Storage::Volatile | Storage::OnCommand, Owner::Application)
         | (Storage::Volatile | Storage::OnCommand | Storage::AtOnce, Owner::Interface) => false,
     }
+}
+
+/// A dictionary has fewer rows than 16 bits can count.
+fn position(row: usize) -> u16 {
+    u16::try_from(row).unwrap_or(u16::MAX)
 }
 
 /// The entry whose [`ObjectId::key`] this is.

@@ -63,17 +63,18 @@ fn a_repeated_write_is_executed_once() {
     check(
         &mut rig,
         expect![[r#"
-        process 1: at 5000, write 1, stop 0
-        process 2: at 5400, write 1, stop 0
-        process 3: at 5400, write 1, stop 0
-        process 4: at 5400, write 1, stop 0
-        process 5: at 5400, write 1, stop 0
-        process 6: at 5400, write 1, stop 0
-        process 7: at 5400, write 1, stop 0
-        process 8: at 5400, write 1, stop 0
-        process 9: at 5400, write 1, stop 0
-        process 10: at 0, write 2, stop 0
-    "#]],
+            process 1: at 5000, write 1, stop 0
+            process 2: at 5400, write 1, stop 0
+            process 3: at 5400, write 1, stop 0
+            process 4: at 5400, write 1, stop 0
+            process 5: at 5400, write 1, stop 0
+            process 6: at 5400, write 1, stop 0
+            process 7: at 5400, write 1, stop 0
+            process 8: at 5400, write 1, stop 0
+            values from 31: 10
+            process 9: at 5400, write 1, stop 0
+            process 10: at 0, write 2, stop 0
+        "#]],
     );
 }
 

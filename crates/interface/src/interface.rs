@@ -348,6 +348,7 @@ impl Interface {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
                 Some(row) if row.owner != Owner::Application || is_live(row.id) => {}
+                Some(row) if self.link.is_writing(row.id) => {}
                 Some(row) if row.access != Access::ReadWrite || row.permits(value) => {
                     self.node.set_value(now, slot, value);
                 }

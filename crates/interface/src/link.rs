@@ -6,6 +6,7 @@
 //! Only an urgent order does not wait for a gap.
 
 use heapless::{Deque, Vec};
+use object_dictionary::ObjectId;
 use shared_proto::limits::{CYCLE_MS, SNAPSHOT_VALUES_MAX};
 use shared_proto::{
     Encoded, Hello, NodeState, PROTOCOL, ProcessData, Receiver, Supervision, ToApplication,
@@ -202,6 +203,17 @@ impl Link {
         self.writes.push_back(write).map_err(|_| QueueError::Full)?;
         self.sequence = sequence;
         Ok(())
+    }
+
+    /// Whether a write to this entry waits or is on its way: what the application controller says
+    /// of its value meanwhile is out of date.
+    #[must_use]
+    pub fn is_writing(&self, id: ObjectId) -> bool {
+        let in_flight = self.in_flight.iter().map(|in_flight| &in_flight.write);
+        self.writes
+            .iter()
+            .chain(in_flight)
+            .any(|write| (write.index, write.sub) == (id.index, id.sub))
     }
 
     /// Orders a stop. It goes out at once and again in every gap until it is acknowledged.
