@@ -98,7 +98,7 @@ impl Script {
         }
         if !heard.is_empty() || !said.is_empty() {
             let said = if said.is_empty() { "nothing".into() } else { said.join(", ") };
-            writeln!(self.transcript, "{ms:4} ms  {heard:24} -> {said}")
+            writeln!(self.transcript, "{ms:<4} ms  {heard:24} -> {said}")
                 .expect("a string takes everything");
         }
     }
@@ -135,12 +135,12 @@ fn both_sides_start() {
     script.hears(hello(0xBB, 0, false)).after(10).hears(hello(0xBB, 0xAA, false));
     script.cycle(0).hears(values(40, 10)).hears(values(50, 5)).cycle(0);
     script.expect(expect![[r#"
-           0 ms  hello bb heard 0         -> hello aa heard bb
-          10 ms  hello bb heard aa        -> hello aa heard bb up
-          20 ms  process, ack 0           -> wants values from 40
-          20 ms  10 values at 40          -> takes 10 at 40
-          20 ms  5 values at 50           -> takes 5 at 50, complete
-          30 ms  process, ack 0           -> idle Initialising
+        0    ms  hello bb heard 0         -> hello aa heard bb
+        10   ms  hello bb heard aa        -> hello aa heard bb up
+        20   ms  process, ack 0           -> wants values from 40
+        20   ms  10 values at 40          -> takes 10 at 40
+        20   ms  5 values at 50           -> takes 5 at 50, complete
+        30   ms  process, ack 0           -> idle Initialising
     "#]]);
 }
 
@@ -151,11 +151,11 @@ fn the_partner_restarts() {
     script.cycle(0).after(10).hears(hello(0xCC, 0, false));
     script.after(10).hears(hello(0xCC, 0xAA, false)).cycle(0).hears(values(40, 10));
     script.expect(expect![[r#"
-          10 ms  process, ack 0           -> idle Operational
-          20 ms  hello cc heard 0         -> hello aa heard cc
-          30 ms  hello cc heard aa        -> hello aa heard cc up
-          40 ms  process, ack 0           -> wants values from 40
-          40 ms  10 values at 40          -> takes 10 at 40
+        10   ms  process, ack 0           -> idle Operational
+        20   ms  hello cc heard 0         -> hello aa heard cc
+        30   ms  hello cc heard aa        -> hello aa heard cc up
+        40   ms  process, ack 0           -> wants values from 40
+        40   ms  10 values at 40          -> takes 10 at 40
     "#]]);
 }
 
@@ -165,9 +165,9 @@ fn this_side_restarts() {
     let mut script = Script::new();
     script.hears(process(0)).after(10).hears(hello(0xBB, 0xAA, false)).cycle(0);
     script.expect(expect![[r#"
-           0 ms  process, ack 0           -> hello aa heard 0
-          10 ms  hello bb heard aa        -> hello aa heard bb up
-          20 ms  process, ack 0           -> wants values from 40
+        0    ms  process, ack 0           -> hello aa heard 0
+        10   ms  hello bb heard aa        -> hello aa heard bb up
+        20   ms  process, ack 0           -> wants values from 40
     "#]]);
 }
 
@@ -179,12 +179,12 @@ fn process_data_stay_away() {
     script.cycle(0).after(100).hears(process(0)).after(10).hears(hello(0xBB, 0xAA, true));
     script.cycle(0);
     script.expect(expect![[r#"
-          10 ms  process, ack 0           -> idle Operational
-          35 ms                           -> ProcessDataMissing
-          55 ms                           -> Lost
-         110 ms  process, ack 0           -> hello aa heard bb
-         120 ms  hello bb heard aa up     -> nothing
-         130 ms  process, ack 0           -> wants values from 40
+        10   ms  process, ack 0           -> idle Operational
+        35   ms                           -> ProcessDataMissing
+        55   ms                           -> Lost
+        110  ms  process, ack 0           -> hello aa heard bb
+        120  ms  hello bb heard aa up     -> nothing
+        130  ms  process, ack 0           -> wants values from 40
     "#]]);
 }
 
@@ -197,9 +197,9 @@ fn writes_go_one_by_one() {
     }
     script.cycle(0).cycle(1).cycle(2);
     script.expect(expect![[r#"
-          10 ms  process, ack 0           -> write #1 2003:0 = 320
-          20 ms  process, ack 1           -> write #2 2003:0 = 321
-          30 ms  process, ack 2           -> idle Operational
+        10   ms  process, ack 0           -> write #1 2003:0 = 320
+        20   ms  process, ack 1           -> write #2 2003:0 = 321
+        30   ms  process, ack 2           -> idle Operational
     "#]]);
 }
 
@@ -213,16 +213,16 @@ fn a_write_is_not_acknowledged() {
         script.cycle(0);
     }
     script.expect(expect![[r#"
-          10 ms  process, ack 0           -> write #1 2003:0 = 1
-          20 ms  process, ack 0           -> idle Operational
-          30 ms  process, ack 0           -> write #1 2003:0 = 1
-          40 ms  process, ack 0           -> idle Operational
-          50 ms  process, ack 0           -> write #1 2003:0 = 1
-          60 ms  process, ack 0           -> idle Operational
-          70 ms  process, ack 0           -> write #1 2003:0 = 1
-          80 ms  process, ack 0           -> idle Operational
-          90 ms  process, ack 0           -> WriteNotAcknowledged, write #2 2003:0 = 2
-         100 ms  process, ack 0           -> idle Operational
+        10   ms  process, ack 0           -> write #1 2003:0 = 1
+        20   ms  process, ack 0           -> idle Operational
+        30   ms  process, ack 0           -> write #1 2003:0 = 1
+        40   ms  process, ack 0           -> idle Operational
+        50   ms  process, ack 0           -> write #1 2003:0 = 1
+        60   ms  process, ack 0           -> idle Operational
+        70   ms  process, ack 0           -> write #1 2003:0 = 1
+        80   ms  process, ack 0           -> idle Operational
+        90   ms  process, ack 0           -> WriteNotAcknowledged, write #2 2003:0 = 2
+        100  ms  process, ack 0           -> idle Operational
     "#]]);
 }
 
@@ -238,9 +238,9 @@ fn an_urgent_order_overtakes() {
         ProcessData { urgent_acknowledged: 1, acknowledged: 0, ..ProcessData::default() };
     script.after(10).hears(ToInterface::Process(acknowledged));
     script.expect(expect![[r#"
-           0 ms  stop                     -> urgent #1 MotorStop
-          10 ms  process, ack 0           -> urgent #1 MotorStop
-          20 ms  process, ack 0           -> write #1 2003:0 = 1
+        0    ms  stop                     -> urgent #1 MotorStop
+        10   ms  process, ack 0           -> urgent #1 MotorStop
+        20   ms  process, ack 0           -> write #1 2003:0 = 1
     "#]]);
 }
 
@@ -252,9 +252,9 @@ fn the_images_do_not_fit() {
     script.hears(ToInterface::Hello(other)).after(10).hears(ToInterface::Hello(other));
     script.cycle(0);
     script.expect(expect![[r#"
-           0 ms  hello bb heard aa        -> Mismatch, hello aa heard 0
-          10 ms  hello bb heard aa        -> hello aa heard 0
-          20 ms  process, ack 0           -> hello aa heard 0
+        0    ms  hello bb heard aa        -> Mismatch, hello aa heard 0
+        10   ms  hello bb heard aa        -> hello aa heard 0
+        20   ms  process, ack 0           -> hello aa heard 0
     "#]]);
     assert_eq!(script.link.write(0x2003, 0, 1), Err(QueueError::Down));
 }
@@ -286,14 +286,14 @@ fn lost_values_are_asked_for_again() {
     }
     script.hears(values(50, 5));
     script.expect(expect![[r#"
-           0 ms  hello bb heard aa        -> hello aa heard bb up
-          10 ms  process, ack 0           -> wants values from 40
-          10 ms  10 values at 40          -> takes 10 at 40
-          20 ms  process, ack 0           -> idle Initialising
-          30 ms  process, ack 0           -> idle Initialising
-          40 ms  process, ack 0           -> idle Initialising
-          50 ms  process, ack 0           -> wants values from 50
-          60 ms  process, ack 0           -> idle Initialising
-          60 ms  5 values at 50           -> takes 5 at 50, complete
+        0    ms  hello bb heard aa        -> hello aa heard bb up
+        10   ms  process, ack 0           -> wants values from 40
+        10   ms  10 values at 40          -> takes 10 at 40
+        20   ms  process, ack 0           -> idle Initialising
+        30   ms  process, ack 0           -> idle Initialising
+        40   ms  process, ack 0           -> idle Initialising
+        50   ms  process, ack 0           -> wants values from 50
+        60   ms  process, ack 0           -> idle Initialising
+        60   ms  5 values at 50           -> takes 5 at 50, complete
     "#]]);
 }
