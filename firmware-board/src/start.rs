@@ -3,7 +3,7 @@ use core::num::NonZeroU32;
 
 use embassy_stm32::Peripherals;
 
-use crate::clock::config;
+use crate::clock::{accelerate_flash, config};
 use crate::last_words::report_last_words;
 use crate::priority;
 use crate::reset_cause::ResetCause;
@@ -22,6 +22,7 @@ pub struct Started {
 pub fn start(image: &str) -> Started {
     let number = count_start();
     let peripherals = embassy_stm32::init(config());
+    accelerate_flash();
     priority::assign();
     defmt::info!("{=str}: start {=u32}, {}", image, number.get(), ResetCause::take());
     report_last_words();
