@@ -14,8 +14,11 @@ use crate::panel::Panel;
 
 /// Bytes taken out of the link's ring at once.
 const CHUNK_LEN: usize = 64;
+/// How often the picture is composed: the display shows a turn of the shaft within 20 ms.
+const STEPS_PER_PICTURE: u32 = 5;
 
 const _: () = {
+    assert!(STEPS_PER_PICTURE as u64 * STEP.as_micros() <= 10_000);
     assert!(embassy_time::TICK_HZ == 1_000_000);
     assert!(encoder::READ_LEN == application::SSI_READ_LEN);
 };
@@ -41,13 +44,17 @@ impl Core {
         let mut steps = Ticker::every(Duration::from_micros(STEP.as_micros()));
         let mut chunk = [0; CHUNK_LEN];
         let mut shown = None;
+        let mut steps_taken: u32 = 0;
         loop {
             // Both may be given up without losing anything: the ticker keeps its phase, and the
             // bytes stay in the ring.
             match select(steps.next(), self.from_interface.read(&mut chunk)).await {
                 Either::First(()) => {
                     self.step().await;
-                    self.refresh(&mut shown);
+                    steps_taken = steps_taken.wrapping_add(1);
+                    if steps_taken.is_multiple_of(STEPS_PER_PICTURE) {
+                        self.refresh(&mut shown);
+                    }
                     BEAT.show();
                 }
                 Either::Second(Ok(len)) => {

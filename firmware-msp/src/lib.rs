@@ -12,13 +12,15 @@ mod motor;
 mod panel;
 
 use application::{Application, Boot};
-use embassy_futures::join::join4;
-use firmware_board::{LinkPins, Parameters, supervise};
+use embassy_executor::Spawner;
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::IWDG;
+use firmware_board::{LinkPins, LinkTransmitter, Parameters, supervise};
 use profiles::Product;
 use static_cell::StaticCell;
 
 /// Runs the controller of `product`.
-pub async fn run(product: &'static Product) -> ! {
+pub async fn run(spawner: Spawner, product: &'static Product) -> ! {
     static PARAMETERS: StaticCell<Parameters> = StaticCell::new();
 
     let started = firmware_board::start("application");
@@ -54,27 +56,38 @@ pub async fn run(product: &'static Product) -> ! {
         tx_dma: p.DMA1_CH6,
         rx_dma: p.DMA1_CH5,
     });
-    let serve = async {
-        let (parameters, records) = core_task::BEAT
-            .during(async {
-                let parameters = PARAMETERS.init(Parameters::open(p.FLASH).await);
-                let records = parameters.load().await;
-                (parameters, records)
-            })
-            .await;
-        let stored = records.iter().map(|(key, number)| (*key, *number));
-        let application = Application::new(product, Boot { nonce: started.number }, stored);
-        let core = core_task::Core { application, encoder, panel, motor, from_interface };
-        embassy_futures::join::join(core.run(), core_task::RECORDS.serve(parameters)).await
-    };
-    join4(
-        serve,
-        display::run(glass),
-        firmware_board::transmit(&core_task::TO_INTERFACE, link_tx),
-        supervise(p.IWDG, &[&core_task::BEAT], || {}),
-    )
-    .await;
-    loop {
-        core::future::pending::<()>().await;
-    }
+    spawner.spawn(defmt::unwrap!(show(glass)));
+    spawner.spawn(defmt::unwrap!(transmit(link_tx)));
+    spawner.spawn(defmt::unwrap!(watch(p.IWDG)));
+    let (parameters, records) = core_task::BEAT
+        .during(async {
+            let parameters = PARAMETERS.init(Parameters::open(p.FLASH).await);
+            let records = parameters.load().await;
+            (parameters, records)
+        })
+        .await;
+    let stored = records.iter().map(|(key, number)| (*key, *number));
+    let application = Application::new(product, Boot { nonce: started.number }, stored);
+    spawner.spawn(defmt::unwrap!(keep(parameters)));
+    core_task::Core { application, encoder, panel, motor, from_interface }.run().await
+}
+
+#[embassy_executor::task]
+async fn show(glass: display::Pcf8576) -> ! {
+    display::run(glass).await
+}
+
+#[embassy_executor::task]
+async fn transmit(port: LinkTransmitter) -> ! {
+    firmware_board::transmit(&core_task::TO_INTERFACE, port).await
+}
+
+#[embassy_executor::task]
+async fn watch(watchdog: Peri<'static, IWDG>) -> ! {
+    supervise(watchdog, &[&core_task::BEAT], || {}).await
+}
+
+#[embassy_executor::task]
+async fn keep(parameters: &'static mut Parameters) -> ! {
+    core_task::RECORDS.serve(parameters).await
 }

@@ -10,9 +10,13 @@ mod core_task;
 mod fatal;
 mod link;
 
-use embassy_futures::join::join4;
-use firmware_board::{LinkPins, Parameters, supervise};
-use heapless::spsc::Queue;
+use embassy_executor::Spawner;
+use embassy_stm32::Peri;
+use embassy_stm32::peripherals::IWDG;
+use firmware_board::{
+    LinkPins, LinkReceiver, LinkTransmitter, Parameters, serial_number, supervise,
+};
+use heapless::spsc::{Producer, Queue};
 use interface::{Boot, Interface};
 use profiles::Product;
 use static_cell::{ConstStaticCell, StaticCell};
@@ -21,7 +25,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 const LINK_QUEUE_LEN: usize = 256;
 
 /// Runs the controller of `product`.
-pub async fn run(product: &'static Product) -> ! {
+pub async fn run(spawner: Spawner, product: &'static Product) -> ! {
     static LINK_QUEUE: ConstStaticCell<Queue<u8, LINK_QUEUE_LEN>> =
         ConstStaticCell::new(Queue::new());
     static PARAMETERS: StaticCell<Parameters> = StaticCell::new();
@@ -36,32 +40,37 @@ pub async fn run(product: &'static Product) -> ! {
         tx_dma: p.DMA1_CH6,
         rx_dma: p.DMA1_CH5,
     });
-    let serve = async {
-        let (parameters, records) = core_task::BEAT
-            .during(async {
-                let parameters = PARAMETERS.init(Parameters::open(p.FLASH).await);
-                let records = parameters.load().await;
-                (parameters, records)
-            })
-            .await;
-        let boot =
-            Boot { serial_number: firmware_board::serial_number(), nonce: started.number.get() };
-        let mut interface = Interface::new(core_task::now(), product, boot);
-        for (key, number) in &records {
-            interface.restore(*key, *number);
-        }
-        let port = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
-        core_task::start(core_task::Core { interface, port, from_application });
-        core_task::RECORDS.serve(parameters).await
-    };
-    join4(
-        serve,
-        link::receive(link_rx, to_core),
-        firmware_board::transmit(&core_task::TO_APPLICATION, link_tx),
-        supervise(p.IWDG, &[&core_task::BEAT, &link::BEAT], core_task::wake),
-    )
-    .await;
-    loop {
-        core::future::pending::<()>().await;
+    spawner.spawn(defmt::unwrap!(receive(link_rx, to_core)));
+    spawner.spawn(defmt::unwrap!(transmit(link_tx)));
+    spawner.spawn(defmt::unwrap!(watch(p.IWDG)));
+    let (parameters, records) = core_task::BEAT
+        .during(async {
+            let parameters = PARAMETERS.init(Parameters::open(p.FLASH).await);
+            let records = parameters.load().await;
+            (parameters, records)
+        })
+        .await;
+    let boot = Boot { serial_number: serial_number(), nonce: started.number.get() };
+    let mut interface = Interface::new(core_task::now(), product, boot);
+    for (key, number) in &records {
+        interface.restore(*key, *number);
     }
+    let port = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
+    core_task::start(core_task::Core { interface, port, from_application });
+    core_task::RECORDS.serve(parameters).await
+}
+
+#[embassy_executor::task]
+async fn receive(port: LinkReceiver, to_core: Producer<'static, u8>) -> ! {
+    link::receive(port, to_core).await
+}
+
+#[embassy_executor::task]
+async fn transmit(port: LinkTransmitter) -> ! {
+    firmware_board::transmit(&core_task::TO_APPLICATION, port).await
+}
+
+#[embassy_executor::task]
+async fn watch(watchdog: Peri<'static, IWDG>) -> ! {
+    supervise(watchdog, &[&core_task::BEAT, &link::BEAT], core_task::wake).await
 }

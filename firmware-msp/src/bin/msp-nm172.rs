@@ -5,6 +5,6 @@
 use profiles::nm172;
 
 #[embassy_executor::main]
-async fn main(_spawner: embassy_executor::Spawner) {
-    firmware_msp::run(&nm172::PRODUCT).await
+async fn main(spawner: embassy_executor::Spawner) {
+    firmware_msp::run(spawner, &nm172::PRODUCT).await
 }
