@@ -12,8 +12,8 @@ use super::port::{
 use super::time::{BitTime, Nanos};
 
 /// No controller notices anything of a frame earlier than this many bits after its start, unless
-/// the frame fails. The shortest frame has 44 bits and at least one stuff bit, and is valid one bit
-/// before its end; one bit is kept in reserve for rounding.
+/// the frame fails. The shortest frames (remote frames without stuff bits) have 44 bits and are valid
+/// one bit before their end; one bit is kept in reserve for rounding.
 pub const EARLIEST_OUTCOME_BITS: u32 = 42;
 
 /// Frames the log keeps; older ones are dropped.
