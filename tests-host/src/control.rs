@@ -45,10 +45,11 @@ impl Control {
     pub fn ask(&mut self, verb: &str, fields: Value) -> Result<Value, String> {
         self.id += 1;
         let Value::Object(mut request) = fields else { panic!("{verb}: fields are an object") };
-        request.insert("id".to_owned(), json!(self.id));
+        // The identifier of a frame to send is the name of its request as well.
+        let id = request.entry("id").or_insert(json!(self.id)).clone();
         request.insert("do".to_owned(), json!(verb));
         let answer = self.line(&Value::Object(request).to_string());
-        assert_eq!(answer.get("id"), Some(&json!(self.id)), "{verb}: {answer}");
+        assert_eq!(answer.get("id"), Some(&id), "{verb}: {answer}");
         match answer.get("ok") {
             Some(Value::Bool(true)) => Ok(answer),
             Some(Value::Bool(false)) => {

@@ -1,0 +1,68 @@
+//! Where the firmware images are, and the engine that runs them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use emulated::{Firmware, Fleet, Images, Options};
+use world::Engine;
+
+use crate::PRODUCTS;
+use crate::args::{EngineKind, Up};
+use crate::state::Contents;
+
+/// Names another directory than the one cargo writes images to.
+pub const IMAGES_VARIABLE: &str = "SPINDLE_IMAGES";
+
+/// Where cargo writes the images, below its target directory.
+const BELOW_TARGET: &str = "thumbv7em-none-eabihf/release";
+
+/// The directory the images are in, unless [`IMAGES_VARIABLE`] names it.
+#[must_use]
+pub fn directory() -> PathBuf {
+    if let Some(directory) = std::env::var_os(IMAGES_VARIABLE) {
+        return directory.into();
+    }
+    // This crate lies two levels below the workspace.
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let target = std::env::var_os("CARGO_TARGET_DIR");
+    workspace.join(target.unwrap_or_else(|| "target".into())).join(BELOW_TARGET)
+}
+
+/// Says what is wrong when nobody makes such a product.
+///
+/// # Errors
+/// A sentence with the products there are.
+pub fn check_product(product: &str) -> Result<(), String> {
+    if PRODUCTS.contains(&product) {
+        return Ok(());
+    }
+    Err(format!("there is no product {product:?}: this bench has {}", PRODUCTS.join(", ")))
+}
+
+/// The engine `up` asks for, on `kept` flash contents.
+///
+/// # Errors
+/// A sentence: an image is missing or can not run, or there is no such engine.
+pub fn engine(up: &Up, kept: Vec<Contents>) -> Result<Box<dyn Engine>, String> {
+    match up.engine {
+        EngineKind::Image => image_engine(up, kept),
+        EngineKind::Twin => Err("this build has no twin engine: use --engine image".to_owned()),
+    }
+}
+
+fn image_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String> {
+    let directory = directory();
+    let image = |controller: &str| {
+        let path = directory.join(format!("{controller}-{}", up.product));
+        if !path.is_file() {
+            let hint = format!("build it with `cargo {controller}`, or set {IMAGES_VARIABLE}");
+            return Err(format!("the image {} is missing: {hint}", path.display()));
+        }
+        Firmware::read(&path).map(Arc::new).map_err(|error| error.to_string())
+    };
+    let images = Images { stm: image("stm")?, msp: image("msp")? };
+    let nodes = usize::try_from(up.nodes).unwrap_or(usize::MAX);
+    let options = Options { nodes, seed: up.seed, flash };
+    let fleet = Fleet::new(&images, options).map_err(|error| error.to_string())?;
+    Ok(Box::new(fleet))
+}
