@@ -44,14 +44,14 @@ class Bench:
         return self.process.wait(timeout=ANSWER_TIME_MAX_S)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def bench():
     bench = Bench("nm172")
     yield bench
     assert bench.stop() == 0
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def network(bench):
     network = canopen.Network()
     network.connect(interface="slcan", channel=bench.slcan, bitrate=125000, sleep_after_open=0)
@@ -63,7 +63,7 @@ def network(bench):
 def node(network):
     """Node 127 in Pre-operational, after a restart that the master has seen."""
     node = network.add_node(canopen.RemoteNode(127, canopen.ObjectDictionary()))
-    node.sdo.RESPONSE_TIMEOUT = 5
+    node.sdo.RESPONSE_TIMEOUT = ANSWER_TIME_MAX_S
     node.sdo.MAX_RETRIES = 0
     restart(node)
     return node
@@ -72,4 +72,4 @@ def node(network):
 def restart(node):
     """Sends Reset Node and waits for the boot-up message."""
     node.nmt.state = "RESET"
-    node.nmt.wait_for_bootup(timeout=10)
+    node.nmt.wait_for_bootup(timeout=ANSWER_TIME_MAX_S)
