@@ -18,7 +18,7 @@ mod draw;
 
 use std::collections::VecDeque;
 use std::io;
-use std::sync::mpsc;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use ratatui::crossterm::event::{
@@ -55,6 +55,8 @@ struct Screen {
     seen: LogCursor,
     trace: VecDeque<Logged>,
     glance: Option<Glance>,
+    /// Where the answer to the last look will come, while the run is too busy to give it.
+    awaited: Option<Receiver<Glance>>,
 }
 
 /// What a key press means.
@@ -84,10 +86,10 @@ fn pictures(bench: &Bench, terminal: &mut ratatui::DefaultTerminal) -> io::Resul
     while !stopper.stopped() {
         screen.look(bench);
         terminal.draw(|frame| draw::draw(frame, &screen, &places))?;
-        if screen.failed() || !event::poll(PICTURE_TIME)? {
-            if screen.failed() {
-                return Ok(());
-            }
+        if screen.failed() {
+            return Ok(());
+        }
+        if !event::poll(PICTURE_TIME)? {
             continue;
         }
         if let Input::Key(key) = event::read()? {
@@ -114,16 +116,28 @@ impl Screen {
             seen: LogCursor::default(),
             trace: VecDeque::new(),
             glance: None,
+            awaited: None,
         }
     }
 
     fn look(&mut self, bench: &Bench) {
+        let Some(answered) = self.awaited.take().or_else(|| self.ask_for_look(bench)) else {
+            return;
+        };
+        match answered.recv_timeout(ANSWER_TIME) {
+            Ok(glance) => self.see(glance),
+            Err(RecvTimeoutError::Timeout) => self.awaited = Some(answered),
+            Err(RecvTimeoutError::Disconnected) => {}
+        }
+    }
+
+    fn ask_for_look(&self, bench: &Bench) -> Option<Receiver<Glance>> {
         let (answer, answered) = mpsc::sync_channel(1);
         let look = Look { node: self.node, since: self.seen, answer };
-        if bench.events().send(Event::Look(look)).is_err() {
-            return;
-        }
-        let Ok(glance) = answered.recv_timeout(ANSWER_TIME) else { return };
+        bench.events().send(Event::Look(look)).ok().map(|()| answered)
+    }
+
+    fn see(&mut self, glance: Glance) {
         self.seen = glance.next;
         self.trace.extend(&glance.frames);
         while self.trace.len() > TRACE_MAX {

@@ -19,10 +19,9 @@ const DARK: Style = Style::new().fg(Color::DarkGray).bg(Color::Gray);
 
 /// Rows of one digit.
 const DIGIT_ROWS: usize = 3;
-/// Two lines of digits, with a row between them for the arrows.
+/// Two lines of digits, the arrows below them, and a margin.
 const GLASS_ROWS: u16 = 9;
 const GLASS_WIDTH: u16 = 34;
-const STATE_ROWS: u16 = 8;
 
 /// Draws what `screen` knows.
 pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen, places: &str) {
@@ -158,7 +157,6 @@ fn state(glance: &Glance) -> Vec<Line<'static>> {
         format!("bus errors {}", glance.error_frames),
         format!("faults     {}", if faults.is_empty() { "none" } else { faults.trim() }),
     ];
-    debug_assert!(lines.len() < usize::from(STATE_ROWS));
     lines.into_iter().map(Line::from).collect()
 }
 
@@ -206,4 +204,45 @@ fn log_line(line: &world::LogLine) -> String {
         line.level,
         line.text
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use expect_test::{Expect, expect};
+
+    use super::*;
+
+    /// What is lit, without colours.
+    #[track_caller]
+    fn check(columns: &[(usize, u8)], expected: &Expect) {
+        let mut segments = [0; COLUMNS];
+        for &(column, lit) in columns {
+            segments[column] = lit;
+        }
+        let picture: String = glass(&segments)
+            .iter()
+            .map(|line| {
+                let text: String = line.spans.iter().map(|span| span.content.as_ref()).collect();
+                text.trim_end().to_owned() + "\n"
+            })
+            .collect();
+        expected.assert_eq(&picture);
+    }
+
+    #[test]
+    fn every_segment_is_in_its_place() {
+        check(
+            &[(0, 0b1111), (1, 0b1111), (2, 0b0110), (23, 0b0100), (24, 0b1100)],
+            &expect![[r#"
+
+                    _
+                   |_|   |
+                   |_|.  |
+
+                                        _
+
+                   ◀                      ▶
+            "#]],
+        );
+    }
 }

@@ -196,3 +196,41 @@ fn with_the_real_clock_time_passes_by_itself_and_can_not_be_advanced() {
     while us(talk.ask(r#"{"do":"now"}"#)) < first + 20_000 {}
     assert_eq!(bench.stop(), End::Stopped);
 }
+
+#[test]
+fn an_engine_that_can_not_go_on_says_so_and_time_stands_still() {
+    let bench = Bench::start(Setup::new("nm172", Clock::Step), Senders::boxed(1)).unwrap();
+    let mut talk = Talk::with(bench.control());
+    let sentence = r#""ok":false,"error":"nobody knows what comes after 10 s"}"#;
+    assert_eq!(
+        talk.ask(r#"{"id":1,"do":"advance","us":11000000}"#),
+        r#"{"id":1,"#.to_owned() + sentence
+    );
+    assert_eq!(talk.ask(r#"{"id":2,"do":"now"}"#), r#"{"id":2,"ok":true,"us":10000000}"#);
+    assert_eq!(talk.ask(r#"{"id":3,"do":"advance","us":1}"#), r#"{"id":3,"#.to_owned() + sentence);
+    assert_eq!(bench.stop(), End::Failed("nobody knows what comes after 10 s".to_owned()));
+}
+
+#[test]
+fn a_client_that_closes_its_direction_still_gets_its_answers() {
+    let bench = Bench::start(Setup::new("nm172", Clock::Step), Senders::boxed(1)).unwrap();
+    let mut talk = Talk::with(bench.control());
+    talk.say("{\"id\":1,\"do\":\"now\"}\n{\"id\":2,\"do\":\"now\"}\n");
+    talk.close_own_direction();
+    assert_eq!(talk.hear(b'\n'), "{\"id\":1,\"ok\":true,\"us\":0}\n");
+    assert_eq!(talk.hear(b'\n'), "{\"id\":2,\"ok\":true,\"us\":0}\n");
+    assert_eq!(talk.hear(b'\n'), "");
+}
+
+#[test]
+fn the_first_line_tells_where_everything_is() {
+    let mut setup = Setup::new("nm172", Clock::Step);
+    setup.socketcand = Some(([127, 0, 0, 1], 0).into());
+    let bench = Bench::start(setup, Senders::boxed(2)).unwrap();
+    let line: serde_json::Value = serde_json::from_str(&bench.ready_line()).unwrap();
+    assert_eq!(line["ready"], true);
+    assert_eq!(line["slcan"], bench.slcan().to_string());
+    assert_eq!(line["socketcand"], bench.socketcand().unwrap().to_string());
+    assert_eq!(line["control"], bench.control().to_string());
+    assert_eq!(line["products"], serde_json::json!(["nm172", "nm172"]));
+}

@@ -1,7 +1,7 @@
 //! A bench whose devices are nothing but a CAN controller that sends.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::{Mutex, MutexGuard};
 
 use units::Instant;
@@ -16,6 +16,9 @@ pub(crate) const RATE: u32 = 125_000;
 
 /// How often a device sends its sign of life, in nanoseconds.
 const SIGN_EVERY_NS: u64 = 100_000_000;
+
+/// When the engine comes to an end of its own, in nanoseconds.
+const FAILS_AT_NS: u64 = 10_000_000_000;
 
 /// Device k sends 0x701 + k with one byte of 5 every 100 ms, and logs that it did.
 pub(crate) struct Senders {
@@ -73,6 +76,9 @@ impl Engine for Senders {
     fn run_until(&mut self, at: Instant) -> Result<(), EngineError> {
         let until = Nanos::from_instant(at);
         while self.now < until {
+            if self.now.0 >= FAILS_AT_NS {
+                return Err(EngineError("nobody knows what comes after 10 s".to_owned()));
+            }
             self.request_signs();
             self.now = self.now.after(greatest_quantum(BitTime::from_rate(RATE))).min(until);
             let deliveries = self.bus.lock().unwrap().resolve(self.now, &self.ports);
@@ -136,6 +142,10 @@ impl Talk {
 
     pub(crate) fn say(&mut self, bytes: &str) {
         self.stream.get_mut().write_all(bytes.as_bytes()).unwrap();
+    }
+
+    pub(crate) fn close_own_direction(&mut self) {
+        self.stream.get_mut().shutdown(Shutdown::Write).unwrap();
     }
 
     /// Everything up to the next `end`, included.
