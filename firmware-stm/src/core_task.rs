@@ -71,8 +71,13 @@ fn UART5() {
 #[embassy_executor::task]
 async fn run(core: Core) -> ! {
     let mut pass = Pass::new(core);
+    // The task stays the same, so its waker does.
     poll_fn(|context| {
         CORE.register(context.waker());
+        Poll::Ready(())
+    })
+    .await;
+    poll_fn(|context| {
         BEAT.show();
         pass.run();
         pass.arm(context.waker());

@@ -10,7 +10,7 @@ use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use bxcan::{Can, Data, Interrupts, StandardId};
-use canopen::{Accepted, Frame};
+use canopen::{Accepted, DATA_MAX, Frame};
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::peripherals::{CAN1, PD0, PD1};
@@ -26,10 +26,12 @@ use crate::core_task;
 /// Alternate function of the CAN pins (data sheet table 12).
 const AF_CAN: u8 = 9;
 const MAILBOXES: usize = 3;
-/// Frames each queue holds beside the three of its FIFO: 1.5 ms of shortest frames at 1 Mbit/s.
-const QUEUED_MAX: usize = 32;
-/// One place of the ring stays empty.
-type FrameQueue = Queue<Frame, { QUEUED_MAX + 1 }>;
+/// Places of each queue, one of which stays empty: with the three of its FIFO 1.5 ms of shortest
+/// frames at 1 Mbit/s. A power of two spares the handler a division.
+const QUEUE_LEN: usize = 32;
+type FrameQueue = Queue<Frame, QUEUE_LEN>;
+
+const _: () = assert!(QUEUE_LEN.is_power_of_two());
 
 /// The registers of CAN1. The values are made by [`Port`], which owns the peripheral.
 struct Controller;
@@ -289,6 +291,8 @@ fn driver_frame(frame: &Frame) -> bxcan::Frame {
     let id = StandardId::new(frame.id().get()).unwrap_or(StandardId::MAX);
     if frame.is_remote() {
         bxcan::Frame::new_remote(id, frame.dlc())
+    } else if let Ok(all) = <[u8; DATA_MAX]>::try_from(frame.data()) {
+        bxcan::Frame::new_data(id, all)
     } else {
         bxcan::Frame::new_data(id, Data::new(frame.data()).unwrap_or(Data::empty()))
     }

@@ -99,6 +99,7 @@ pub(super) enum Fifo {
 const DLC_MAX: u8 = 8;
 
 /// Takes the oldest frame out of `fifo`. The filters let 11-bit identifiers through only.
+#[inline]
 pub(super) fn receive(fifo: Fifo) -> Option<Received> {
     let state = CAN1.rfr(fifo as usize);
     let flags = state.read();
@@ -122,6 +123,7 @@ pub(super) fn receive(fifo: Fifo) -> Option<Received> {
     release.set_rfom(true);
     state.write_value(release);
     let frame = match head.rtr() {
+        Rtr::DATA if len == DLC_MAX => None,
         Rtr::DATA => data.get(..usize::from(len)).and_then(|data| Frame::new(id, data)),
         Rtr::REMOTE => Frame::new_remote(id, len),
     };
