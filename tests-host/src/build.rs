@@ -5,13 +5,17 @@ use std::sync::OnceLock;
 /// The processor of both boards.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The directory with the firmware images of all products, built once per test program.
+/// The directory with the firmware images of all products: `SPINDLE_IMAGES` if that is set, else
+/// built once per test program.
 ///
 /// # Panics
 /// If they cannot be built.
 pub fn images() -> &'static Path {
     static IMAGES: OnceLock<PathBuf> = OnceLock::new();
     IMAGES.get_or_init(|| {
+        if let Some(built) = std::env::var_os("SPINDLE_IMAGES") {
+            return built.into();
+        }
         // One at a time: together their features would be unified.
         for package in ["firmware-stm", "firmware-msp"] {
             cargo(&["build", "--release", "--package", package, "--target", TARGET]);
@@ -20,13 +24,16 @@ pub fn images() -> &'static Path {
     })
 }
 
-/// The bench, built once per test program.
+/// The bench: `SPINDLE_BENCH` if that is set, else built once per test program.
 ///
 /// # Panics
 /// If it cannot be built.
 pub fn bench_program() -> &'static Path {
     static BENCH: OnceLock<PathBuf> = OnceLock::new();
     BENCH.get_or_init(|| {
+        if let Some(built) = std::env::var_os("SPINDLE_BENCH") {
+            return built.into();
+        }
         cargo(&["build", "--package", "bench"]);
         target_dir().join("debug").join("bench")
     })

@@ -6,11 +6,13 @@
 mod bench;
 mod build;
 mod control;
+mod scene;
 mod slcan;
 
 pub use bench::Bench;
 pub use build::{bench_program, images};
 pub use control::Control;
+pub use scene::Scene;
 pub use slcan::{Frame, Slcan};
 
 use std::time::Duration;

@@ -40,8 +40,13 @@ impl Controller {
 
     /// The image as an ELF file.
     pub(crate) fn image(self, product: &str) -> PathBuf {
-        run::target_dir().join(TARGET).join("release").join(format!("{}-{product}", self.name()))
+        directory().join(format!("{}-{product}", self.name()))
     }
+}
+
+/// The directory of all images.
+pub(crate) fn directory() -> PathBuf {
+    run::target_dir().join(TARGET).join("release")
 }
 
 /// The product of that name.

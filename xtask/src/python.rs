@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::images;
 use crate::run::{self, Failure};
 
 /// Runs the tests in an environment of their own, with the versions that are written down.
@@ -18,6 +19,7 @@ pub(crate) fn test(bench: &Path) -> Result<(), Failure> {
             .args(["-m", "pytest", "-p", "no:cacheprovider"])
             .arg(&tests)
             .env("SPINDLE_BENCH", bench)
+            .env("SPINDLE_IMAGES", images::directory())
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

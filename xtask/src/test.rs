@@ -18,7 +18,11 @@ pub(crate) fn test() -> Result<(), Failure> {
         images::build(product)?;
     }
     let bench = up::build_bench()?;
-    run::step(&mut run::cargo(["test"]))?;
+    run::step(
+        run::cargo(["test"])
+            .env("SPINDLE_BENCH", &bench)
+            .env("SPINDLE_IMAGES", images::directory()),
+    )?;
     qemu::test()?;
     python::test(&bench)?;
     eprintln!("\nxtask: everything passed");

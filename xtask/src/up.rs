@@ -27,8 +27,12 @@ pub(crate) fn perf() -> Result<(), Failure> {
     for product in images::PRODUCTS {
         images::build(product)?;
     }
-    build_bench()?;
-    become_program(&mut run::cargo(["run", "--quiet", "--package", "tests-host", "--bin", "perf"]))
+    let bench = build_bench()?;
+    become_program(
+        run::cargo(["run", "--quiet", "--package", "tests-host", "--bin", "perf"])
+            .env("SPINDLE_BENCH", bench)
+            .env("SPINDLE_IMAGES", images::directory()),
+    )
 }
 
 #[cfg(unix)]

@@ -1,0 +1,379 @@
+//! The NM172 on the bench: both images as they are flashed, seen from outside.
+
+use std::collections::BTreeSet;
+
+use expect_test::{Expect, expect};
+use serde_json::{Value, json};
+use tests_host::{Bench, Scene};
+
+/// One turn of the encoder in its own steps.
+const TURN: i64 = 4_096;
+
+#[track_caller]
+fn check(scene: &Scene, expected: Expect) {
+    expected.assert_eq(scene.transcript());
+}
+
+/// NM17x BOOT-01, BOOT-03, NMT-03, DISP-01, DISP-14: who it is, which node it is, then the
+/// setpoint over the actual value, with one boot-up message on the bus.
+#[test]
+fn a_device_is_powered() {
+    let mut scene = Scene::powered("nm172", &[]);
+    scene.run_ms(1_000).note_frames().note_display();
+    scene.run_ms(2_000).note_display();
+    scene.run_ms(3_000).note_display().note_frames();
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x SDO-10: the examples of the manual, byte for byte (V-SDO-1 to V-SDO-5).
+#[test]
+fn the_examples_of_the_manual() {
+    let mut scene = Scene::running("nm172", &[]);
+    // 5000.00 mm on the display and on the bus.
+    scene.sdo("23 03 60 00 20 A1 07 00").run_ms(50);
+    for request in [
+        "40 04 60 00 00 00 00 00",
+        "23 03 20 00 40 01 00 00",
+        "40 01 21 00 00 00 00 00",
+        "23 00 20 05 01 00 00 00",
+        "23 00 20 05 02 00 00 00",
+    ] {
+        scene.sdo(request);
+    }
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x GEN-01, OD-1000-1, OD-1008-1, OD-1018-1, SDO-08: who a master finds.
+#[test]
+fn a_master_identifies_the_device() {
+    let mut scene = Scene::running("nm172", &[]);
+    for request in [
+        "40 00 10 00 00 00 00 00",
+        "40 08 10 00 00 00 00 00",
+        "60 00 00 00 00 00 00 00",
+        "70 00 00 00 00 00 00 00",
+        "40 09 10 00 00 00 00 00",
+        "40 0A 10 00 00 00 00 00",
+        "40 18 10 01 00 00 00 00",
+        "40 18 10 02 00 00 00 00",
+        "40 18 10 03 00 00 00 00",
+    ] {
+        scene.sdo(request);
+    }
+    check(&scene, expect![[r#""#]]);
+    let serial = scene.request("40 18 10 04 00 00 00 00");
+    assert_ne!(serial, "43 18 10 04 00 00 00 00", "a serial number is never zero");
+}
+
+/// NM17x GEN-02, POS-02, POS-04, PDO-04, PDO-09, DISP-02: a turn of the shaft is four millimetres
+/// on the display and in TxPDO2; backwards past zero the sixth place is the sign.
+#[test]
+fn the_shaft_turns() {
+    let mut scene = Scene::running("nm172", &[]);
+    scene.send("000#01 7F").run_ms(200).note_frames();
+    scene.tell("shaft", json!({ "steps": TURN })).run_ms(200).note_frames().note_display();
+    scene.tell("shaft", json!({ "steps": -3 * TURN })).run_ms(200).note_frames().note_display();
+    scene.tell("shaft", json!({ "steps_per_s": TURN })).run_ms(1_000);
+    scene.tell("shaft", json!({ "steps_per_s": 0 })).run_ms(200).note_display();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x POS-03, POS-06, POS-08, POS-10, POS-13, A-50, A-51: direction, preset and correction, on
+/// the display (with correction) and on the bus (without).
+#[test]
+fn direction_preset_and_correction() {
+    let mut scene = Scene::running("nm172", &[]);
+    let reads = "40 04 60 00 00 00 00 00";
+    scene.tell("shaft", json!({ "steps": TURN })).run_ms(100).sdo(reads).note_display();
+    scene.note("counts down").sdo("23 00 20 02 01 00 00 00").run_ms(100).sdo(reads);
+    scene.note("preset 100.00").sdo("23 03 60 00 10 27 00 00").run_ms(100).sdo(reads);
+    scene.note("correction -62.50").sdo("23 10 20 00 96 E7 FF FF").run_ms(100).sdo(reads);
+    scene.note_display();
+    scene.note("correction off").sdo("23 00 20 06 00 00 00 00").run_ms(100).sdo(reads);
+    scene.note_display();
+    scene.note("both turns back").tell("shaft", json!({ "steps": -2 * TURN })).run_ms(100);
+    scene.sdo(reads).note_display();
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x DISP-03, POS-07, A-58: beyond the places of the display the bus still has the value.
+#[test]
+fn the_display_overflows() {
+    let mut scene = Scene::running("nm172", &[]);
+    scene.note("9999.99").sdo("23 03 60 00 3F 42 0F 00").run_ms(100).note_display();
+    scene.tell("shaft", json!({ "steps": 64 })).run_ms(100).note_display();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    scene.note("-999.99").sdo("23 03 60 00 61 79 FE FF").run_ms(100).note_display();
+    scene.tell("shaft", json!({ "steps": -64 })).run_ms(100).note_display();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x PDO-02, PDO-03, PDO-05, PDO-06, PDO-25: with every third SYNC; by the event timer, held
+/// back by the inhibit time.
+#[test]
+fn the_position_is_sent_with_sync_and_by_timer() {
+    let mut scene = Scene::running("nm172", &[]);
+    scene.sdo("2F 01 18 02 03 00 00 00").send("000#01 7F").run_ms(100).note_frames();
+    for sync in ["080#", "080#00", "080#", "080#", "080#", "080#"] {
+        scene.send(sync).run_ms(10).note(sync).note_frames();
+    }
+    scene.note("type 254, event timer 1 ms, inhibit time 80 ms").sdo("2F 01 18 02 FE 00 00 00");
+    scene.frames();
+    let sent = scene.run_ms(1_000).frames().len();
+    scene.note(&format!("{sent} in a second"));
+    scene.note("inhibit time 0, event timer 20 ms").sdo("2B 01 18 03 00 00 00 00");
+    scene.sdo("2B 01 18 05 14 00 00 00").frames();
+    let sent = scene.run_ms(1_000).frames().len();
+    scene.note(&format!("{sent} in a second"));
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x HB-01, NMT-01, NMT-02, NMT-04, SDO-07: every state in the heartbeat, SDO in two of them.
+#[test]
+fn states_and_heartbeats() {
+    let mut scene = Scene::running("nm172", &[]);
+    scene.sdo("2B 17 10 00 64 00 00 00").run_ms(90).note_frames();
+    for command in ["01 00", "02 7F", "80 7F", "01 05"] {
+        scene.note(command).send(&format!("000#{command}")).run_ms(100).note_frames();
+        scene.send("67F#40 00 10 00 00 00 00 00").run_ms(10).note_frames();
+    }
+    scene.note("82 7F").send("000#82 7F").run_ms(500).note_frames();
+    scene.sdo("40 17 10 00 00 00 00 00");
+    scene.note("81 7F").send("000#81 7F").run_ms(1_000).note_frames();
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x SDO-05, SDO-06, SDO-09, BOOT-10: one abort code for each request, in the order of the
+/// checks.
+#[test]
+fn one_abort_code_for_each_request() {
+    let mut scene = Scene::running("nm172", &[]);
+    for request in [
+        "FF 04 60 00 00 00 00 00",
+        "40 FF 5F 00 00 00 00 00",
+        "40 04 60 01 00 00 00 00",
+        "40 15 20 00 00 00 00 00",
+        "23 04 60 00 00 00 00 00",
+        "2B 04 60 00 00 00 00 00",
+        "2B 03 20 00 05 00 00 00",
+        "23 03 20 00 10 27 00 00",
+        "23 04 20 00 FF E0 F5 05",
+        "23 04 20 00 00 E1 F5 05",
+        "22 17 10 00 00 00 01 00",
+        "2F 01 21 00 00 00 00 00",
+        "2F 00 18 02 00 00 00 00",
+        "2F 00 18 02 F1 00 00 00",
+        "40 06 20 01 00 00 00 00",
+        "40 06 20 02 00 00 00 00",
+    ] {
+        scene.sdo(request);
+    }
+    check(&scene, expect![[r#""#]]);
+}
+
+/// NM17x STORE-01, STORE-02, STORE-07, BOOT-05, POS-08: parameters of both controllers outlive the
+/// supply, and the next program run with the same state directory.
+#[test]
+fn parameters_outlive_the_supply() {
+    let state = tempdir();
+    let state_option = ["--state", state.to_str().expect("a temporary path")];
+    {
+        let mut scene = Scene::running("nm172", &state_option);
+        scene.tell("shaft", json!({ "steps": TURN / 2 })).run_ms(50);
+        scene.sdo("23 03 60 00 10 27 00 00").sdo("23 20 20 01 40 9C 00 00");
+        scene.sdo("23 03 20 00 40 01 00 00").sdo("2F 01 21 00 25 00 00 00").run_ms(500);
+        scene.tell("power", json!({ "on": false })).run_ms(100);
+        scene.tell("power", json!({ "on": true })).run_ms(6_000).node_id(0x25);
+        scene.note("supply back").note_frames().note_display();
+        scene.sdo("40 04 60 00 00 00 00 00").sdo("40 20 20 01 00 00 00 00");
+        scene.sdo("40 03 20 00 00 00 00 00");
+        check(&scene, expect![[r#""#]]);
+        let (status, errors) = scene.bench.stop();
+        assert!(status.success(), "{errors}");
+    }
+    let mut scene = Scene::running("nm172", &state_option);
+    scene.node_id(0x25).sdo("40 20 20 01 00 00 00 00").sdo("40 03 20 00 00 00 00 00");
+    check(&scene, expect![[r#""#]]);
+    let _ = std::fs::remove_dir_all(state);
+}
+
+/// NM17x STORE-02: the supply fails in the middle of any flash operation of a write: afterwards
+/// the old value is there, or the new one, and everything else as before.
+#[test]
+fn the_supply_fails_while_a_parameter_is_written() {
+    let mut seen = BTreeSet::new();
+    for operation in 1.. {
+        let mut scene = Scene::running("nm172", &["--seed", &operation.to_string()]);
+        scene.request("23 20 20 01 40 9C 00 00");
+        scene.run_ms(300).request("23 03 20 00 40 01 00 00");
+        scene.run_ms(300).tell("power_cut", json!({ "mcu": "msp", "flash_op": operation }));
+        scene.request("23 03 20 00 41 01 00 00");
+        scene.run_ms(300);
+        let still_on = scene.bench.tell("stats", json!({}));
+        scene.tell("power", json!({ "on": false })).run_ms(100);
+        scene.tell("power", json!({ "on": true })).run_ms(1_000);
+        let window = scene.request("40 03 20 00 00 00 00 00");
+        assert_eq!(scene.request("40 20 20 01 00 00 00 00"), "43 20 20 01 40 9C 00 00");
+        assert!(
+            ["43 03 20 00 40 01 00 00", "43 03 20 00 41 01 00 00"].contains(&window.as_str()),
+            "operation {operation}: {window}"
+        );
+        seen.insert(window.clone());
+        let operations = still_on["msp"]["flash_ops"].as_u64().unwrap_or_default();
+        if operation > 4 && window.ends_with("41 01 00 00") || operation > 20 {
+            assert!(operations > 0);
+            break;
+        }
+    }
+    assert_eq!(seen.len(), 2, "cuts before and behind the decisive word: {seen:?}");
+}
+
+/// NM17x LINK-06, EMCY-05, ABORT-11: the line between the controllers is cut and mended; no
+/// controller restarts for it.
+#[test]
+fn the_link_is_cut_and_mended() {
+    let mut scene = Scene::running("nm172", &[]);
+    scene.tell("link", json!({ "cut": true })).run_ms(200).note_frames();
+    scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
+    scene.tell("link", json!({ "cut": false })).run_ms(1_000).note_frames();
+    scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
+    check(&scene, expect![[r#""#]]);
+    assert_eq!(resets(&mut scene.bench), [1, 1]);
+}
+
+/// NM17x LINK-06: with one wrong bit in a thousand and lost bytes every write still arrives, once
+/// the line is good the copies agree, and nobody restarts.
+#[test]
+fn the_link_is_noisy() {
+    let mut scene = Scene::running("nm172", &["--seed", "7"]);
+    scene.tell("link", json!({ "bit_error_rate": 1e-3, "drop_rate": 1e-3 }));
+    for value in 0..40_u32 {
+        let bytes = [0x23, 0x03, 0x20, 0x00, value.to_le_bytes()[0], 1, 0, 0];
+        let hex: Vec<String> = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
+        scene.request(&hex.join(" "));
+        scene.run_ms(100);
+    }
+    scene.tell("link", json!({ "bit_error_rate": 0.0, "drop_rate": 0.0 })).run_ms(2_000);
+    assert_eq!(scene.request("40 03 20 00 00 00 00 00"), "43 03 20 00 27 01 00 00");
+    scene.tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).run_ms(1_000);
+    assert_eq!(scene.request("40 03 20 00 00 00 00 00"), "43 03 20 00 27 01 00 00");
+    assert_eq!(resets(&mut scene.bench), [2, 2], "power-on twice, nothing else");
+}
+
+/// NM17x GEN-05, LSS-05, OD-2100-1: all nine bit rates, each after a restart.
+#[test]
+fn all_nine_bit_rates() {
+    let mut scene = Scene::running("nm172", &[]);
+    for rate in [8, 0, 7, 1, 6, 2, 5, 3, 4] {
+        scene.request(&format!("2F 00 21 00 {rate:02X} 00 00 00"));
+        scene.run_ms(500).tell("power", json!({ "on": false })).run_ms(100);
+        scene.tell("power", json!({ "on": true })).run_ms(1_000);
+        scene.note_frames().sdo("40 00 21 00 00 00 00 00");
+    }
+    check(&scene, expect![[r#""#]]);
+}
+
+/// Any frame of any kind, to any identifier: the device lives, answers as before, and never
+/// restarts. The seed is in the name of the run: 1 to 3.
+#[test]
+fn any_frame_leaves_the_device_alive() {
+    for seed in 1..=3_u64 {
+        let mut random = seed;
+        let mut next = || {
+            random ^= random << 13;
+            random ^= random >> 7;
+            random ^= random << 17;
+            random
+        };
+        let mut scene = Scene::running("nm172", &["--seed", &seed.to_string()]);
+        scene.send("000#01 7F");
+        for _ in 0..1_500 {
+            let extended = next() % 4 == 0;
+            let id = next() % if extended { 1 << 29 } else { 0x800 };
+            // Half of them to the node itself; no reset, no node-ID, no bit rate.
+            let id = if next() % 2 == 0 && !extended { 0x67F } else { id };
+            let dlc = next() % 9;
+            let data: String = (0..dlc).map(|_| format!("{:02x}", next() % 256)).collect();
+            let blocked = id == 0 || (id == 0x67F && data.get(2..6) == Some("0021"));
+            if blocked {
+                continue;
+            }
+            let frame = if next() % 8 == 0 {
+                json!({ "id": id, "data": "", "rtr": true, "extended": extended })
+            } else {
+                json!({ "id": id, "data": data, "extended": extended })
+            };
+            scene.tell("can_send", frame);
+            if next() % 16 == 0 {
+                scene.run_ms(20);
+            }
+        }
+        scene.run_ms(2_000).frames();
+        assert_eq!(scene.request("40 00 10 00 00 00 00 00"), "43 00 10 00 96 01 02 00", "{seed}");
+        assert_eq!(resets(&mut scene.bench), [1, 1], "seed {seed}");
+    }
+}
+
+/// NM17x GEN-04: foreign traffic does not even interrupt the controller.
+#[test]
+fn foreign_traffic_is_filtered_in_hardware() {
+    let mut scene = Scene::running("nm172", &[]);
+    let before = scene.bench.tell("stats", json!({}))["stm"]["can_interrupts"].clone();
+    for id in (0x001..0x7FF).filter(|id| ![0x080, 0x67F].contains(id)).step_by(7) {
+        scene.tell("can_send", json!({ "id": id, "data": "0102030405060708" })).run_ms(2);
+    }
+    let after = scene.bench.tell("stats", json!({}))["stm"]["can_interrupts"].clone();
+    assert_eq!(before, after);
+}
+
+/// The same seed and the same requests give the same answers, bit for bit.
+#[test]
+fn a_run_repeats_itself() {
+    let run = || {
+        let mut bench = Bench::step("nm172", &["--seed", "11"]);
+        let mut answers = Vec::new();
+        bench.tell("link", json!({ "bit_error_rate": 1e-4 }));
+        bench.tell("shaft", json!({ "steps_per_s": 777 }));
+        bench.advance_ms(1_000);
+        bench.tell("can_send", json!({ "id": 0, "data": "0100" }));
+        for _ in 0..10 {
+            bench.advance_ms(100);
+            for verb in ["can_log", "display", "stats", "log", "now"] {
+                answers.push(bench.tell(verb, json!({})).to_string());
+            }
+        }
+        answers
+    };
+    assert_eq!(run(), run());
+}
+
+/// How often each controller started.
+fn resets(bench: &mut Bench) -> [usize; 2] {
+    let stats = bench.tell("stats", json!({}));
+    ["stm", "msp"].map(|mcu| stats[mcu]["resets"].as_array().map_or(0, Vec::len))
+}
+
+/// A new directory for this process alone.
+fn tempdir() -> std::path::PathBuf {
+    let path = std::env::temp_dir().join(format!("spindle-state-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&path);
+    path
+}
+
+/// The fields of an answer that a client relies on.
+#[test]
+fn answers_have_the_fields_of_the_interface() {
+    let mut bench = Bench::step("nm172", &[]);
+    let fields = |answer: &Value| -> Vec<String> {
+        answer.as_object().map(|map| map.keys().cloned().collect()).unwrap_or_default()
+    };
+    let mut listed = String::new();
+    for verb in ["now", "motor", "display", "can_log", "log", "stats"] {
+        let answer = bench.tell(verb, json!({}));
+        listed += &format!("{verb}: {}\n", fields(&answer).join(" "));
+    }
+    expect![[r#""#]].assert_eq(&listed);
+}
