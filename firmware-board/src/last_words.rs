@@ -33,7 +33,8 @@ static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 impl Write for LastWords {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for (place, byte) in self.text.iter_mut().skip(self.len).zip(text.bytes()) {
-            *place = byte;
+            // One line in the log.
+            *place = if byte == b'\n' { b' ' } else { byte };
             self.len += 1;
         }
         Ok(())
