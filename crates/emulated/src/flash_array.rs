@@ -402,3 +402,169 @@ impl Device for FlashArray {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory_map::BANK_2;
+    use crate::stm32f429::Stm32f429;
+    use rigless::emulator::{Error, Memory};
+    use rigless::mcu::Operate as _;
+
+    const KEYR: u64 = 0x4002_3C04;
+    const OPTKEYR: u64 = 0x4002_3C08;
+    const SR: u64 = 0x4002_3C0C;
+    const CR: u64 = 0x4002_3C10;
+    const OPTCR1: u64 = 0x4002_3C18;
+    const PG: u64 = 1;
+    const PSIZE_32: u64 = 2 << 8;
+    const ERASE_SECTOR_12: u64 = 1 << 1 | 16 << 3 | 1 << 16;
+
+    /// The cells are looked at in the array itself.
+    struct NoMemory;
+
+    impl Memory for NoMemory {
+        fn read(&mut self, address: u64, width: Width) -> Result<u64, Error> {
+            Err(Error::Memory { address, width })
+        }
+
+        fn write(&mut self, address: u64, width: Width, _: u64) -> Result<(), Error> {
+            Err(Error::Memory { address, width })
+        }
+
+        fn program(&mut self, _: u64, _: Width, _: u64) -> Result<(), Error> {
+            Ok(())
+        }
+    }
+
+    /// A part whose registers are written one by one, each 1 ms after the one before.
+    struct Rig {
+        part: Stm32f429,
+        now: u64,
+    }
+
+    impl Rig {
+        fn unlocked() -> Self {
+            let flash = FlashArray::new(vec![0xFF; FLASH_LEN], Dice::new(7, 0));
+            let mut rig = Self { part: Stm32f429::new(flash).unwrap(), now: 0 };
+            rig.write(KEYR, 0x4567_0123, Width::W32);
+            rig.write(KEYR, 0xCDEF_89AB, Width::W32);
+            rig
+        }
+
+        fn pass(&mut self, ns: u64) {
+            self.now += ns;
+            self.part.advance_to(VirtualNanos(self.now));
+            self.part.settle(&mut NoMemory).unwrap();
+        }
+
+        fn write(&mut self, address: u64, value: u64, width: Width) {
+            self.part.write(VirtualNanos(self.now), address, width, value).unwrap();
+            self.part.settle(&mut NoMemory).unwrap();
+            self.pass(1_000_000);
+        }
+
+        fn status(&mut self) -> u64 {
+            self.part.read(VirtualNanos(self.now), SR, Width::W32).unwrap()
+        }
+
+        fn word(&self, address: u64) -> u64 {
+            self.part.flash.word(usize::try_from(address - FLASH_BASE).unwrap())
+        }
+    }
+
+    #[test]
+    fn a_store_clears_bits_and_sets_none() {
+        let mut rig = Rig::unlocked();
+        rig.write(CR, PG | PSIZE_32, Width::W32);
+        rig.write(BANK_2 + 4, 0xF0F0_FFFF, Width::W32);
+        rig.write(BANK_2 + 4, 0xFFFF_00FF, Width::W32);
+        assert_eq!(rig.word(BANK_2), 0xF0F0_00FF_FFFF_FFFF);
+        assert_eq!(rig.status(), 0);
+        assert_eq!(rig.part.flash.counts(), FlashCounts { programs: 2, erases: 0 });
+    }
+
+    #[test]
+    fn a_store_of_another_width_than_psize_is_a_parallelism_error() {
+        let mut rig = Rig::unlocked();
+        rig.write(CR, PG | PSIZE_32, Width::W32);
+        rig.write(BANK_2, 0, Width::W8);
+        assert_eq!((rig.status(), rig.word(BANK_2)), (sr::PGPERR.mask(), ERASED));
+    }
+
+    #[test]
+    fn a_store_without_pg_is_a_sequence_error_that_a_written_one_clears() {
+        let mut rig = Rig::unlocked();
+        rig.write(BANK_2, 0, Width::W8);
+        assert_eq!((rig.status(), rig.word(BANK_2)), (sr::PGSERR.mask(), ERASED));
+        rig.write(SR, sr::PGSERR.mask(), Width::W32);
+        assert_eq!(rig.status(), 0);
+    }
+
+    #[test]
+    fn a_store_across_a_row_is_an_alignment_error() {
+        let mut rig = Rig::unlocked();
+        rig.write(CR, PG | PSIZE_32, Width::W32);
+        rig.write(BANK_2 + 14, 0, Width::W32);
+        assert_eq!((rig.status(), rig.word(BANK_2 + 8)), (sr::PGAERR.mask(), ERASED));
+    }
+
+    #[test]
+    fn a_protected_sector_is_neither_programmed_nor_erased() {
+        let mut rig = Rig::unlocked();
+        rig.write(OPTKEYR, 0x0819_2A3B, Width::W32);
+        rig.write(OPTKEYR, 0x4C5D_6E7F, Width::W32);
+        rig.write(OPTCR1, 0x0FFE_0000, Width::W32);
+        rig.write(CR, PG, Width::W32);
+        rig.write(BANK_2, 0, Width::W8);
+        assert_eq!((rig.status(), rig.word(BANK_2)), (sr::WRPERR.mask(), ERASED));
+        rig.write(BANK_2 + (16 << 10), 0, Width::W8);
+        assert_eq!(rig.word(BANK_2 + (16 << 10)), ERASED << 8);
+        rig.write(SR, sr::WRPERR.mask(), Width::W32);
+        rig.write(CR, ERASE_SECTOR_12, Width::W32);
+        assert_eq!(rig.status(), sr::WRPERR.mask());
+    }
+
+    #[test]
+    fn an_erase_takes_its_sector_and_its_time() {
+        let mut rig = Rig::unlocked();
+        rig.write(CR, PG, Width::W32);
+        for at in [0, (16 << 10) - 1, 16 << 10] {
+            rig.write(BANK_2 + at, 0, Width::W8);
+        }
+        rig.write(CR, ERASE_SECTOR_12, Width::W32);
+        rig.pass(398_000_000);
+        assert_eq!((rig.status(), rig.word(BANK_2)), (sr::BSY.mask(), ERASED << 8));
+        rig.pass(2_000_000);
+        assert_eq!((rig.status(), rig.word(BANK_2)), (0, ERASED));
+        assert_eq!(rig.word(BANK_2 + (16 << 10) - 8), ERASED);
+        assert_eq!(rig.word(BANK_2 + (16 << 10)), ERASED << 8, "the next sector");
+    }
+
+    #[test]
+    fn a_store_during_an_erase_waits_for_it() {
+        let mut rig = Rig::unlocked();
+        rig.write(CR, ERASE_SECTOR_12, Width::W32);
+        rig.write(BANK_2 + (32 << 10), 0, Width::W8);
+        assert_eq!(rig.word(BANK_2 + (32 << 10)), ERASED);
+        rig.pass(400_000_000);
+        assert_eq!(rig.status(), sr::PGSERR.mask(), "PG was not set");
+    }
+
+    #[test]
+    fn an_operation_cut_short_is_half_done() {
+        use rigless::device::ResetCause;
+        use rigless::mcu::Mcu as _;
+        let mut rig = Rig::unlocked();
+        rig.write(CR, PG, Width::W32);
+        for at in 0..512 {
+            rig.write(BANK_2 + at, 0, Width::W8);
+        }
+        rig.write(CR, ERASE_SECTOR_12, Width::W32);
+        rig.part.reset(VirtualNanos(rig.now), ResetCause::Pin);
+        rig.part.settle(&mut NoMemory).unwrap();
+        let words: Vec<u64> = (0..64).map(|n| rig.word(BANK_2 + 8 * n)).collect();
+        assert!(words.contains(&0) && words.contains(&ERASED), "{words:x?}");
+        assert!(words.iter().any(|word| ![0, ERASED].contains(word)), "{words:x?}");
+    }
+}

@@ -179,9 +179,38 @@ fn transcript(fleet: &mut Fleet) -> String {
 fn keys_inputs_encoder_motor_and_display_reach_each_other() {
     let mut fleet = fleet("probe-board", 1);
     let found = transcript(&mut fleet);
-    check(&found, expect![[""]]);
+    check(
+        &found,
+        expect![[r#"
+        start: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 0
+            lcd true nobody true
+            pins [true, true, false, false, false]
+            ssi true 0xe0000000
+        turned by hand: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 4096
+            ssi true 0xe0060000
+        left key: motor MotorOutputs { in1: true, in2: false, in3: true, in4: false } at 4070
+            pins [false, true, false, false, false]
+            ssi true 0xe0020780
+        both keys: motor MotorOutputs { in1: true, in2: true, in3: true, in4: true } at 4065
+            pins [false, false, false, false, false]
+            ssi true 0xe0020440
+        inputs: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 4065
+            pins [true, true, true, true, false]
+            ssi true 0xe0020440
+        motor fault: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 4065
+            pins [true, true, true, true, true]
+            ssi true 0xe0020440
+        line open: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 4065
+            ssi true 0xffffffff
+        line stuck: motor MotorOutputs { in1: false, in2: false, in3: false, in4: false } at 4065
+            ssi true 0x00000000
+    "#]],
+    );
     let world = fleet.surroundings(0);
-    check(&format!("[{}] [{}]", world.lcd.upper(), world.lcd.lower()), expect![[""]]);
+    check(
+        &format!("[{}] [{}]", world.lcd.upper(), world.lcd.lower()),
+        expect!["[8 8.8.8.8.] [8.8.8.8.8.8.]"],
+    );
 }
 
 #[test]
