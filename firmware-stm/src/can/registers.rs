@@ -109,7 +109,9 @@ pub(super) fn receive(fifo: Fifo) -> Option<Received> {
         state.write_value(clear);
         return Some(Received::Overrun);
     }
-    if flags.fmp() == 0 {
+    // While the frame taken last is still being released its registers show it once more. The
+    // interrupt stays raised and comes again for what is behind it.
+    if flags.fmp() == 0 || flags.rfom() {
         return None;
     }
     let mailbox = CAN1.rx(fifo as usize);
