@@ -12,6 +12,10 @@ use crate::run::Failure;
 /// How many crates of each image are printed.
 const CRATES_SHOWN: usize = 12;
 
+/// What a task is wrapped in by the executor. Its code is that of the crate it is written in, and
+/// of all that was inlined into it.
+const TASK: &str = "embassy_executor::raw::TaskStorage<";
+
 /// Bytes of the parts of an image.
 #[derive(Default)]
 struct Size {
@@ -104,6 +108,7 @@ fn crate_of(mangled: &str) -> String {
     let name = format!("{demangled:#}");
     let path = name.trim_start_matches(['<', '&', '*', '[', '(', ' ']);
     let path = path.trim_start_matches("mut ").trim_start_matches("const ");
+    let path = path.strip_prefix(TASK).unwrap_or(path);
     let krate: String =
         path.chars().take_while(|&c| c.is_ascii_alphanumeric() || c == '_').collect();
     if path.get(krate.len()..).is_some_and(|rest| rest.starts_with("::")) {

@@ -1,5 +1,5 @@
 use crate::pages::{Found, PAGES_MAX, Pages};
-use crate::{Record, VALUE_LEN_MAX, Value};
+use crate::{Record, Value};
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use sequential_storage::cache::KeyPointerCache;
@@ -9,7 +9,7 @@ use sequential_storage::map::{MapConfig, MapStorage};
 pub const RECORD_KEY_MAX: u32 = u32::MAX - 2;
 
 /// Longest set, in bytes: five per record and its value.
-pub const SET_LEN_MAX: usize = 1_024;
+pub const SET_LEN_MAX: usize = 512;
 
 const KEY_SET: u32 = u32::MAX;
 const KEY_EPOCH: u32 = u32::MAX - 1;
@@ -230,7 +230,7 @@ impl<F: NorFlash> Store<F> {
 /// Key and length of a record within the set.
 const SET_HEAD_LEN: usize = KEY_LEN + 1;
 
-const _: () = assert!(SET_LEN_MAX >= 32 * (SET_HEAD_LEN + VALUE_LEN_MAX));
+const _: () = assert!(SET_LEN_MAX >= 56 * (SET_HEAD_LEN + 4), "fifty-six numbers fit");
 
 /// The payload without its epoch; `None` if the epoch is over.
 fn body_of(payload: &[u8], epoch: u32) -> Option<&[u8]> {
