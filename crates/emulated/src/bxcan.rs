@@ -166,6 +166,8 @@ impl BxCan {
             counters: self.counters,
             order: self.order(),
             requests: self.mailboxes.map(|mailbox| mailbox.request()),
+            waits: self.wants_to_leave()
+                || self.mailboxes.iter().any(|mailbox| mailbox.is_withdrawn()),
         }
     }
 
@@ -271,12 +273,14 @@ impl BxCan {
     /// and at the very instant the bus becomes free.
     fn leave_if_asked(&mut self, now: Nanos) {
         let over = now >= self.line.free_at && self.sending.is_none() && self.internal.is_none();
-        if self.is_normal() && over {
-            match self.wanted() {
-                Wanted::Sleep | Wanted::Initialisation => self.leave(),
-                Wanted::Normal | Wanted::Undecided => {}
-            }
+        if self.wants_to_leave() && over {
+            self.leave();
         }
+    }
+
+    /// Whether the software wants another mode than the normal one it is in.
+    const fn wants_to_leave(&self) -> bool {
+        self.is_normal() && matches!(self.wanted(), Wanted::Sleep | Wanted::Initialisation)
     }
 
     fn leave(&mut self) {
@@ -329,11 +333,7 @@ impl BxCan {
             self.leave_if_asked(now);
         }
         self.start_internal(now);
-        let leaving = self.is_normal()
-            && match self.wanted() {
-                Wanted::Sleep | Wanted::Initialisation => self.line.free_at > now,
-                Wanted::Normal | Wanted::Undecided => false,
-            };
+        let leaving = self.wants_to_leave() && self.line.free_at > now;
         let joining = match self.mode {
             Mode::Joining { wait, .. } => Some(wait.over_at()),
             Mode::Sleep | Mode::Initialisation | Mode::Normal { .. } => None,

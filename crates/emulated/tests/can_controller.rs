@@ -2,6 +2,11 @@
 //!
 //! No processor and no firmware: the tests write and read registers as RM0090, chapter 32 describes
 //! them. [`rig::Rig`] is the one place that knows the model's interface.
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "the helpers of a test fail it by panicking"
+)]
 
 #[path = "can_controller/errors.rs"]
 mod errors;

@@ -8,7 +8,7 @@ use world::can::{
 const QUANTUM_NS: u64 = 40_000;
 
 fn frame(id: u16) -> Frame {
-    Frame::new(Id::Standard(id), &[1, 2]).unwrap()
+    Frame::new(Id::Standard(id), &[1, 2]).expect("an identifier of 11 bits")
 }
 
 fn run_us(bus: &mut Bus, us: u64) {

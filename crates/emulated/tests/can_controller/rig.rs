@@ -4,7 +4,7 @@ use rigless::mcu::{Operate, Single};
 use rigless::soc::stm32f427::generated::CAN1;
 use rigless::soc::{Bus as PartBus, Cpu, Endian, Width};
 use rigless::time::VirtualNanos;
-use world::can::{Bus, Frame, Id, Nanos, Outside, Rate, Role};
+use world::can::{Bus, Delivery, Frame, Id, Nanos, Outside, Rate, Role};
 
 pub(crate) const MCR: u64 = 0x000;
 pub(crate) const MSR: u64 = 0x004;
@@ -222,7 +222,9 @@ impl Rig {
             self.advance(self.boundary);
             let states: Vec<_> = self.nodes.iter().map(|node| node.model.requests()).collect();
             let deliveries = self.bus.resolve(Nanos(self.boundary), &states);
-            for (node, delivery) in self.nodes.iter_mut().zip(&deliveries) {
+            let news = |delivery: &&Delivery| **delivery != Delivery::default();
+            for (node, delivery) in self.nodes.iter_mut().zip(&deliveries).filter(|(_, d)| news(d))
+            {
                 node.drive(VirtualNanos(self.boundary), |can, _, context| {
                     can.deliver(delivery, context);
                 });

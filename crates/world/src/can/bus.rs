@@ -2,7 +2,7 @@ use std::collections::VecDeque;
 
 use super::attempt::{Attempt, Bid, DELIMITER_BITS, INTERMISSION_BITS, Station};
 use super::bits::Wire;
-use super::counters::Confinement;
+use super::counters::{Confinement, ErrorCounters};
 use super::faults::{Chance, Faults};
 use super::frame::Frame;
 use super::outside::{Node, Outside, QueueFull, Rate, Role, Status, UnknownOutside};
@@ -195,6 +195,9 @@ impl Bus {
     /// engine whose devices are all asleep may put its next boundary a quantum behind it.
     #[must_use]
     pub fn next_activity(&self, ports: &[PortState]) -> Option<Nanos> {
+        if ports.iter().any(|port| port.waits) {
+            return Some(self.now);
+        }
         if self.faults.stuck_dominant {
             return Some(self.free_at.max(self.now));
         }
@@ -209,7 +212,10 @@ impl Bus {
         if let Some(port) = ports.iter().find(|port| port.presence != Presence::Off) {
             self.automatic = port.bit;
         }
-        let mut deliveries = vec![Delivery::default(); ports.len()];
+        let mut deliveries: Vec<Delivery> = ports
+            .iter()
+            .map(|port| Delivery { waited_for: port.waits, ..Delivery::default() })
+            .collect();
         let activity = if self.faults.stuck_dominant {
             self.hold_dominant(now, ports, &mut deliveries)
         } else {
@@ -273,9 +279,9 @@ impl Bus {
                 Rate::Fixed(rate) => BitTime::from_rate(rate),
                 Rate::Automatic => self.automatic,
             },
-            since: node.since,
+            since: node.back_at().unwrap_or(node.since),
             suspended_until: node.suspended_until,
-            counters: node.counters,
+            counters: if node.back_at().is_some() { ErrorCounters::NONE } else { node.counters },
         }
     }
 

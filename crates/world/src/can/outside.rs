@@ -155,6 +155,11 @@ impl Node {
         }
     }
 
+    /// When it will be back from bus-off, going by what is known so far; `None` when it is not off.
+    pub(super) fn back_at(&self) -> Option<Nanos> {
+        self.recovery.map(|wait| wait.over_at())
+    }
+
     /// Comes back from bus-off when the wait is over.
     pub(super) fn recover(&mut self, now: Nanos) {
         if let Some(wait) = self.recovery.take_if(|wait| wait.over_at() <= now) {

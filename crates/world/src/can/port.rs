@@ -20,6 +20,9 @@ pub struct PortState {
     pub order: SendOrder,
     /// What it wants to send, by mailbox.
     pub requests: [Option<Request>; MAILBOXES],
+    /// It needs the next boundary, soon: it wants to leave the bus or withdrew a frame, and only
+    /// there learns whether one is under way.
+    pub waits: bool,
 }
 
 impl PortState {
@@ -31,6 +34,7 @@ impl PortState {
         counters: ErrorCounters::NONE,
         order: SendOrder::Identifier,
         requests: [None; MAILBOXES],
+        waits: false,
     };
 }
 
@@ -67,7 +71,7 @@ pub struct Request {
     pub frame: Frame,
 }
 
-/// What a boundary brings a controller.
+/// What a boundary brings a controller. The default brings nothing and need not be delivered.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Delivery {
     /// What goes over the bus since the last boundary.
@@ -76,6 +80,8 @@ pub struct Delivery {
     pub sending: Option<usize>,
     /// What will happen, in the order of time, all of it after the boundary.
     pub outcomes: Vec<Outcome>,
+    /// This is the boundary the controller waits for ([`PortState::waits`]).
+    pub waited_for: bool,
 }
 
 /// A frame, or an attempt at one, on the bus.
