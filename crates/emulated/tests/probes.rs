@@ -1,5 +1,11 @@
 //! The bench held to known answers: small images that do one thing each, and what must come out.
 //! None of them knows anything of a product.
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "what fails in a helper fails its test"
+)]
+
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -154,7 +160,7 @@ fn transcript(fleet: &mut Fleet) -> String {
         let world = fleet.surroundings(0);
         writeln!(text, "{name}: motor {:?} at {}", world.motor, world.spindle.position(now_ns))
             .unwrap();
-        let last = log.lines().filter(|line| line.starts_with("ssi")).next_back();
+        let last = log.lines().rfind(|line| line.starts_with("ssi"));
         for line in log.lines().filter(|line| !line.starts_with("ssi")).chain(last) {
             writeln!(text, "    {line}").unwrap();
         }
