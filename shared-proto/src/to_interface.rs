@@ -11,8 +11,8 @@ pub enum ToInterface {
     Hello(Hello),
     /// Every 10 ms.
     Process(ProcessData),
-    /// Values of consecutive rows of the dictionary: asked for, or one that changed without being
-    /// written from outside.
+    /// Values of consecutive rows of the dictionary: asked for, changed without being written from
+    /// outside, or repeated in turn so that no copy stays wrong.
     Snapshot {
         /// Position of the first row.
         from: u16,

@@ -25,12 +25,20 @@ impl Scene {
         Self { bench, node_id: 127, transcript: String::new() }
     }
 
-    /// A device that has been on for six seconds: booted, the normal display on the glass.
+    /// A device that has been on for a second: it is on the bus, and still shows who it is.
+    #[must_use]
+    pub fn booted(product: &str, options: &[&str]) -> Self {
+        let mut scene = Self::powered(product, options);
+        scene.bench.advance_ms(1_000);
+        scene.frames();
+        scene
+    }
+
+    /// A device that has been on for six seconds, with the normal display on the glass.
     #[must_use]
     pub fn running(product: &str, options: &[&str]) -> Self {
-        let mut scene = Self::powered(product, options);
-        scene.bench.advance_ms(6_000);
-        scene.frames();
+        let mut scene = Self::booted(product, options);
+        scene.bench.advance_ms(5_000);
         scene
     }
 
@@ -124,7 +132,7 @@ impl Scene {
     pub fn note(&mut self, line: &str) -> &mut Self {
         let now = self.bench.tell("now", json!({}));
         let ms = now["us"].as_u64().unwrap_or_default() / 1_000;
-        let _ = writeln!(self.transcript, "{ms:6} ms  {}", line.trim_end());
+        let _ = writeln!(self.transcript, "{ms:<6} ms  {}", line.trim_end());
         self
     }
 

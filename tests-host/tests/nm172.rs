@@ -46,7 +46,7 @@ fn the_examples_of_the_manual() {
 /// NM17x GEN-01, OD-1000-1, OD-1008-1, OD-1018-1, SDO-08: who a master finds.
 #[test]
 fn a_master_identifies_the_device() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     for request in [
         "40 00 10 00 00 00 00 00",
         "40 08 10 00 00 00 00 00",
@@ -114,7 +114,7 @@ fn the_display_overflows() {
 /// back by the inhibit time.
 #[test]
 fn the_position_is_sent_with_sync_and_by_timer() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     scene.sdo("2F 01 18 02 03 00 00 00").send("000#01 7F").run_ms(100).note_frames();
     for sync in ["080#", "080#00", "080#", "080#", "080#", "080#"] {
         scene.send(sync).run_ms(10).note(sync).note_frames();
@@ -133,7 +133,7 @@ fn the_position_is_sent_with_sync_and_by_timer() {
 /// NM17x HB-01, NMT-01, NMT-02, NMT-04, SDO-07: every state in the heartbeat, SDO in two of them.
 #[test]
 fn states_and_heartbeats() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     scene.sdo("2B 17 10 00 64 00 00 00").run_ms(90).note_frames();
     for command in ["01 00", "02 7F", "80 7F", "01 05"] {
         scene.note(command).send(&format!("000#{command}")).run_ms(100).note_frames();
@@ -149,7 +149,7 @@ fn states_and_heartbeats() {
 /// checks.
 #[test]
 fn one_abort_code_for_each_request() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     for request in [
         "FF 04 60 00 00 00 00 00",
         "40 FF 5F 00 00 00 00 00",
@@ -205,7 +205,7 @@ fn parameters_outlive_the_supply() {
 fn the_supply_fails_while_a_parameter_is_written() {
     let mut seen = BTreeSet::new();
     for operation in 1.. {
-        let mut scene = Scene::running("nm172", &["--seed", &operation.to_string()]);
+        let mut scene = Scene::booted("nm172", &["--seed", &operation.to_string()]);
         scene.request("23 20 20 01 40 9C 00 00");
         scene.run_ms(300).request("23 03 20 00 40 01 00 00");
         scene.run_ms(300).tell("power_cut", json!({ "mcu": "msp", "flash_op": operation }));
@@ -234,7 +234,7 @@ fn the_supply_fails_while_a_parameter_is_written() {
 /// controller restarts for it.
 #[test]
 fn the_link_is_cut_and_mended() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     scene.tell("link", json!({ "cut": true })).run_ms(200).note_frames();
     scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
     scene.tell("link", json!({ "cut": false })).run_ms(1_000).note_frames();
@@ -247,7 +247,7 @@ fn the_link_is_cut_and_mended() {
 /// the line is good the copies agree, and nobody restarts.
 #[test]
 fn the_link_is_noisy() {
-    let mut scene = Scene::running("nm172", &["--seed", "7"]);
+    let mut scene = Scene::booted("nm172", &["--seed", "7"]);
     scene.tell("link", json!({ "bit_error_rate": 1e-3, "drop_rate": 1e-3 }));
     for value in 0..40_u32 {
         let bytes = [0x23, 0x03, 0x20, 0x00, value.to_le_bytes()[0], 1, 0, 0];
@@ -266,7 +266,7 @@ fn the_link_is_noisy() {
 /// NM17x GEN-05, LSS-05, OD-2100-1: all nine bit rates, each after a restart.
 #[test]
 fn all_nine_bit_rates() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     for rate in [8, 0, 7, 1, 6, 2, 5, 3, 4] {
         scene.request(&format!("2F 00 21 00 {rate:02X} 00 00 00"));
         scene.run_ms(500).tell("power", json!({ "on": false })).run_ms(100);
@@ -288,7 +288,7 @@ fn any_frame_leaves_the_device_alive() {
             random ^= random << 17;
             random
         };
-        let mut scene = Scene::running("nm172", &["--seed", &seed.to_string()]);
+        let mut scene = Scene::booted("nm172", &["--seed", &seed.to_string()]);
         scene.send("000#01 7F");
         for _ in 0..1_500 {
             let extended = next() % 4 == 0;
@@ -297,7 +297,8 @@ fn any_frame_leaves_the_device_alive() {
             let id = if next() % 2 == 0 && !extended { 0x67F } else { id };
             let dlc = next() % 9;
             let data: String = (0..dlc).map(|_| format!("{:02x}", next() % 256)).collect();
-            let blocked = id == 0 || (id == 0x67F && data.get(2..6) == Some("0021"));
+            let blocked =
+                id == 0 || (id == 0x67F && data.get(2..6).is_some_and(|index| index == "0021"));
             if blocked {
                 continue;
             }
@@ -320,7 +321,7 @@ fn any_frame_leaves_the_device_alive() {
 /// NM17x GEN-04: foreign traffic does not even interrupt the controller.
 #[test]
 fn foreign_traffic_is_filtered_in_hardware() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = Scene::booted("nm172", &[]);
     let before = scene.bench.tell("stats", json!({}))["stm"]["can_interrupts"].clone();
     for id in (0x001..0x7FF).filter(|id| ![0x080, 0x67F].contains(id)).step_by(7) {
         scene.tell("can_send", json!({ "id": id, "data": "0102030405060708" })).run_ms(2);
@@ -353,7 +354,8 @@ fn a_run_repeats_itself() {
 /// How often each controller started.
 fn resets(bench: &mut Bench) -> [usize; 2] {
     let stats = bench.tell("stats", json!({}));
-    ["stm", "msp"].map(|mcu| stats[mcu]["resets"].as_array().map_or(0, Vec::len))
+    ["/stm/resets", "/msp/resets"]
+        .map(|path| stats.pointer(path).and_then(Value::as_array).map_or(0, Vec::len))
 }
 
 /// A new directory for this process alone.

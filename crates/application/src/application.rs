@@ -7,7 +7,7 @@ use positioning::encoder::TurnOffset;
 use positioning::filter;
 use profiles::{Product, nm17x};
 use shared_proto::limits::CYCLE_MS;
-use shared_proto::{Encoded, Hello, encode};
+use shared_proto::{Encoded, Hello, ToInterface, encode};
 use units::{Duration, Instant, Position, Scaling, Steps};
 
 use crate::display::{
@@ -155,7 +155,6 @@ impl Application {
         let key_pressed = self.left_key.active() || self.right_key.active();
         self.rest = self.rest.step(now, self.displayed(), key_pressed);
         self.link.handle_time(now);
-        self.show_process_values();
         if self.steps.is_multiple_of(CYCLE_STEPS) {
             self.link.start_cycle();
         }
@@ -175,8 +174,12 @@ impl Application {
 
     /// The next frame for the line.
     pub fn poll_link(&mut self) -> Option<Encoded> {
-        let report = self.report();
-        self.link.poll(&report, &mut self.parameters).map(|message| encode(&message))
+        let message = match self.link.poll_greeting() {
+            Some(hello) => ToInterface::Hello(hello),
+            None if self.link.take_process_due() => self.link.process(self.report()),
+            None => self.link.poll_values(&mut self.parameters)?,
+        };
+        Some(encode(&message))
     }
 
     /// The next value to store, with its key: at once, and only when it changed (NM17x STORE-02,
@@ -244,7 +247,6 @@ impl Application {
         if id == nm17x::STANDARD_SETPOINT.id() {
             self.latch_setpoint();
         }
-        self.show_process_values();
     }
 
     /// What a write does besides changing the value. An error leaves everything as it was.
@@ -299,14 +301,6 @@ impl Application {
     fn latch_setpoint(&mut self) {
         let sent = Position::from_hundredths_mm(self.parameters.get(&nm17x::STANDARD_SETPOINT));
         self.setpoint = Setpoint::new(sent, self.correction());
-    }
-
-    /// Keeps the objects that nobody writes as they are in the process data.
-    fn show_process_values(&mut self) {
-        let report = self.report();
-        self.parameters.show(&nm17x::POSITION_VALUE, report.position_hundredths_mm);
-        self.parameters.show(&nm17x::STATUS, report.status);
-        self.parameters.show(&nm17x::ERRORS, report.errors);
     }
 
     fn report(&self) -> Report {

@@ -144,28 +144,42 @@ impl Link {
         self.values_due = true;
     }
 
-    /// The next message to send: an answer to a greeting; the process data or the greeting of the
-    /// cycle; then, once in a cycle, values that were asked for, else values to tell, else now and
-    /// then some of the round.
-    pub(crate) fn poll(
-        &mut self,
-        report: &Report,
-        parameters: &mut Parameters,
-    ) -> Option<ToInterface> {
-        if core::mem::take(&mut self.answer_due) {
-            return Some(ToInterface::Hello(self.hello()));
+    /// The greeting to send now: an answer to one, or in the place of process data.
+    pub(crate) fn poll_greeting(&mut self) -> Option<Hello> {
+        let due = core::mem::take(&mut self.answer_due)
+            || !self.in_service() && core::mem::take(&mut self.cycle_due);
+        due.then(|| Hello { in_service: self.in_service(), ..self.own })
+    }
+
+    /// Whether it is time for [`Self::process`]; once in a cycle.
+    pub(crate) fn take_process_due(&mut self) -> bool {
+        core::mem::take(&mut self.cycle_due)
+    }
+
+    /// The process data of this cycle.
+    pub(crate) fn process(&mut self, report: Report) -> ToInterface {
+        self.cycle = self.cycle.wrapping_add(1);
+        ToInterface::Process(ProcessData {
+            cycle: self.cycle,
+            acknowledged: self.acknowledged,
+            urgent_acknowledged: self.urgent_acknowledged,
+            position_hundredths_mm: report.position_hundredths_mm,
+            status: report.status,
+            errors: report.errors,
+        })
+    }
+
+    /// Once in a cycle: values that were asked for, else values to tell, else now and then some of
+    /// the round.
+    pub(crate) fn poll_values(&mut self, parameters: &mut Parameters) -> Option<ToInterface> {
+        if !core::mem::take(&mut self.values_due) || !self.in_service() {
+            return None;
         }
-        if core::mem::take(&mut self.cycle_due) {
-            return Some(self.cycle_message(report));
-        }
-        if core::mem::take(&mut self.values_due) && self.in_service() {
-            let (from, values) = self
-                .wanted(parameters)
-                .or_else(|| parameters.poll_tell())
-                .or_else(|| self.refresh(parameters))?;
-            return Some(ToInterface::Snapshot { from, values });
-        }
-        None
+        let (from, values) = self
+            .wanted(parameters)
+            .or_else(|| parameters.poll_tell())
+            .or_else(|| self.refresh(parameters))?;
+        Some(ToInterface::Snapshot { from, values })
     }
 
     /// Whether the two controllers work together.
@@ -211,25 +225,6 @@ impl Link {
     /// listened to.
     fn supervise(&mut self, supervision: Supervision) -> Option<()> {
         self.in_service().then(|| self.supervision = Some(supervision))
-    }
-
-    fn hello(&self) -> Hello {
-        Hello { in_service: self.in_service(), ..self.own }
-    }
-
-    fn cycle_message(&mut self, report: &Report) -> ToInterface {
-        if !self.in_service() {
-            return ToInterface::Hello(self.hello());
-        }
-        self.cycle = self.cycle.wrapping_add(1);
-        ToInterface::Process(ProcessData {
-            cycle: self.cycle,
-            acknowledged: self.acknowledged,
-            urgent_acknowledged: self.urgent_acknowledged,
-            position_hundredths_mm: report.position_hundredths_mm,
-            status: report.status,
-            errors: report.errors,
-        })
     }
 
     fn wanted(&mut self, parameters: &Parameters) -> Option<(u16, Run)> {

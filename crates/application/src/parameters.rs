@@ -101,11 +101,6 @@ impl Parameters {
         }
     }
 
-    /// Takes over a volatile value that the other controller learns with the process data.
-    pub(crate) fn show<T: Number>(&mut self, object: &Object<T>, value: T) {
-        self.values.set(object, value);
-    }
-
     /// Tells the other controller the value of an entry, because its copy may be another.
     pub(crate) fn tell(&mut self, id: ObjectId) {
         if let Ok((slot, _)) = self.find(id) {

@@ -3,7 +3,7 @@ use heapless::Deque;
 use object_dictionary::{Access, Owner, Slot};
 use profiles::nm17x::{
     BIT_RATE, CORRECTION, CORRECTION_ENABLED, ERROR_REGISTER, ERRORS, NODE_ID,
-    PDO_SETPOINT_CORRECTION_SENT, POSITION_VALUE, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
+    PDO_SETPOINT_CORRECTION_SENT, POSITION_VALUE, SCALING, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
 };
 use profiles::{OBJECTS_MAX, Product};
 use shared_proto::{Encoded, Hello, NodeState, PROTOCOL, ProcessData, Urgency};
@@ -12,7 +12,7 @@ use units::{Duration, Instant};
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
 use crate::nm17x::SETTINGS;
-use crate::objects::{Objects, Outcome, is_live};
+use crate::objects::{Known, Objects, Outcome, is_live};
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
@@ -142,7 +142,9 @@ impl Interface {
 
     /// A frame from the bus.
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
-        let mut objects = Objects::new(&mut self.link, self.values_known);
+        let scaling = self.node.values().get(&SCALING) != 0;
+        let known = Known { values: self.values_known, scaling };
+        let mut objects = Objects::new(&mut self.link, known);
         self.node.handle_frame(now, frame, &mut objects);
         match objects.outcome() {
             Outcome::Nothing => {}

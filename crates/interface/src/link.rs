@@ -28,8 +28,8 @@ const SNAPSHOT_CYCLES_MAX: u8 = 3;
 const CYCLE: Duration = Duration::from_millis(CYCLE_MS);
 /// Jitter of the cycle that does not yet make process data late.
 const CYCLE_TOLERANCE: Duration = Duration::from_millis(CYCLE_MS / 2);
-/// Most a single byte or timeout makes happen: process data with a write given up, or two stages of
-/// missing process data.
+/// Most a single byte or timeout makes happen: process data with a write given up, two stages of
+/// missing process data, or a fault of the greeting.
 const EVENTS_MAX: usize = 2;
 /// An urgent order and the answer of the gap.
 const OUTBOX_MAX: usize = 2;
@@ -54,7 +54,8 @@ pub enum Fault {
     ProcessDataMissing,
     /// 0x8310/04: process data missed four times in a row, the link is out of service.
     Lost,
-    /// 0x8310/02: a write was not acknowledged after all its repetitions, and is dropped.
+    /// 0x8310/02: a write was dropped: not acknowledged after all its repetitions, or an action
+    /// that the partner's restart overtook.
     WriteNotAcknowledged,
     /// 0x8310/03: a value that its object does not permit.
     CorruptValue,
@@ -82,10 +83,27 @@ enum State {
     InService,
 }
 
+/// What a write does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It sets a value: executed late or twice it does no harm.
+    Value,
+    /// It makes something happen at that moment: it is dropped rather than executed by a partner
+    /// that has restarted since.
+    Action,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Queued {
+    write: Write,
+    kind: Kind,
+}
+
 /// A write on its way.
 #[derive(Clone, Copy, Debug)]
 struct InFlight {
     write: Write,
+    kind: Kind,
     cycles: u8,
     repeats: u8,
 }
@@ -100,7 +118,7 @@ pub struct Link {
     state: State,
     mismatched: bool,
     supervision: Supervision,
-    writes: Deque<Write, WRITES_MAX>,
+    writes: Deque<Queued, WRITES_MAX>,
     in_flight: Option<InFlight>,
     sequence: u8,
     urgent: Option<Urgent>,
@@ -194,13 +212,13 @@ impl Link {
     ///
     /// # Errors
     /// When the queue is full or the link is out of service.
-    pub fn write(&mut self, index: u16, sub: u8, value: u32) -> Result<(), QueueError> {
+    pub fn write(&mut self, id: ObjectId, value: u32, kind: Kind) -> Result<(), QueueError> {
         if !self.in_service() {
             return Err(QueueError::Down);
         }
         let sequence = next_number(self.sequence);
-        let write = Write { sequence, index, sub, value };
-        self.writes.push_back(write).map_err(|_| QueueError::Full)?;
+        let write = Write { sequence, index: id.index, sub: id.sub, value };
+        self.writes.push_back(Queued { write, kind }).map_err(|_| QueueError::Full)?;
         self.sequence = sequence;
         Ok(())
     }
@@ -212,6 +230,7 @@ impl Link {
         let in_flight = self.in_flight.iter().map(|in_flight| &in_flight.write);
         self.writes
             .iter()
+            .map(|queued| &queued.write)
             .chain(in_flight)
             .any(|write| (write.index, write.sub) == (id.index, id.sub))
     }
@@ -254,6 +273,7 @@ impl Link {
         if hello.nonce != self.own.heard {
             self.leave_service();
             self.own.heard = hello.nonce;
+            self.drop_actions();
         }
         if hello.heard == self.own.nonce && !self.in_service() {
             self.alive(now);
@@ -263,6 +283,26 @@ impl Link {
         }
         if !hello.in_service {
             self.send_hello();
+        }
+    }
+
+    /// The partner has restarted: the moment the actions were meant for has passed.
+    fn drop_actions(&mut self) {
+        let waiting = self.writes.len();
+        for _ in 0..waiting {
+            if let Some(queued) = self.writes.pop_front()
+                && queued.kind == Kind::Value
+            {
+                let _ = self.writes.push_back(queued);
+            }
+        }
+        let mut dropped = self.writes.len() != waiting;
+        if self.in_flight.is_some_and(|in_flight| in_flight.kind == Kind::Action) {
+            self.in_flight = None;
+            dropped = true;
+        }
+        if dropped {
+            self.fault(Fault::WriteNotAcknowledged);
         }
     }
 
@@ -339,8 +379,8 @@ impl Link {
             self.in_flight = None;
             self.fault(Fault::WriteNotAcknowledged);
         }
-        let write = self.writes.pop_front()?;
-        self.in_flight = Some(InFlight { write, cycles: 0, repeats: 0 });
+        let Queued { write, kind } = self.writes.pop_front()?;
+        self.in_flight = Some(InFlight { write, kind, cycles: 0, repeats: 0 });
         Some(write)
     }
 

@@ -3,13 +3,16 @@
 
 use canopen::{Application, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
-use profiles::nm17x::{ERRORS, POSITION_VALUE, STATUS, STATUS_REGISTER};
+use profiles::nm17x::{ERRORS, POSITION_VALUE, PRESET, RESET_FUNCTION, STATUS, STATUS_REGISTER};
 
 use crate::interface::Record;
-use crate::link::{Link, QueueError};
+use crate::link::{Kind, Link, QueueError};
 
 /// What process data carry: known only as long as they arrive.
 const LIVE: [ObjectId; 4] = [POSITION_VALUE.id(), STATUS.id(), ERRORS.id(), STATUS_REGISTER.id()];
+
+/// Writes that make something happen at the moment they are executed.
+const ACTIONS: [ObjectId; 2] = [PRESET.id(), RESET_FUNCTION.id()];
 
 /// Whether process data carry the object.
 pub(crate) fn is_live(object: ObjectId) -> bool {
@@ -20,8 +23,17 @@ pub(crate) fn is_live(object: ObjectId) -> bool {
 #[derive(Debug)]
 pub(crate) struct Objects<'a> {
     link: &'a mut Link,
-    values_known: bool,
+    known: Known,
     outcome: Outcome,
+}
+
+/// What is known of the application when a frame arrives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known {
+    /// Its values have been read.
+    pub(crate) values: bool,
+    /// It has a scaling, without which nothing can be preset.
+    pub(crate) scaling: bool,
 }
 
 /// What a frame brought about besides its answer. One frame writes one object.
@@ -37,8 +49,8 @@ pub(crate) enum Outcome {
 }
 
 impl<'a> Objects<'a> {
-    pub(crate) const fn new(link: &'a mut Link, values_known: bool) -> Self {
-        Self { link, values_known, outcome: Outcome::Nothing }
+    pub(crate) const fn new(link: &'a mut Link, known: Known) -> Self {
+        Self { link, known, outcome: Outcome::Nothing }
     }
 
     pub(crate) const fn outcome(&self) -> Outcome {
@@ -51,15 +63,19 @@ impl Application for Objects<'_> {
         let known = if is_live(row.id) {
             self.link.in_service()
         } else {
-            row.owner == Owner::Interface || self.values_known
+            row.owner == Owner::Interface || self.known.values
         };
         if known { Ok(()) } else { Err(ReadError::NoData) }
     }
 
     fn write(&mut self, _slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
         match (row.owner, row.storage) {
+            (Owner::Application, _) if row.id == PRESET.id() && !self.known.scaling => {
+                return Err(WriteError::Failed);
+            }
             (Owner::Application, _) => {
-                if let Err(error) = self.link.write(row.id.index, row.id.sub, raw) {
+                let kind = if ACTIONS.contains(&row.id) { Kind::Action } else { Kind::Value };
+                if let Err(error) = self.link.write(row.id, raw, kind) {
                     if error == QueueError::Full {
                         self.outcome = Outcome::QueueFull;
                     }

@@ -224,6 +224,24 @@ fn the_examples_of_the_manual() {
     "#]]);
 }
 
+/// NM17x POS-08, A-54: without a scaling there is nothing to preset.
+#[test]
+fn a_preset_needs_a_scaling() {
+    let mut script = Script::booted();
+    script.send("67F#23 03 60 00 E8 03 00 00").send("67F#23 04 20 00 00 00 00 00");
+    script.send("67F#23 03 60 00 E9 03 00 00").send("67F#40 03 60 00 00 00 00 00");
+    script.expect(expect![[r#"
+        500   <-  67F#23 03 60 00 E8 03 00 00
+        500   ->  5FF#60 03 60 00 00 00 00 00
+        500   <-  67F#23 04 20 00 00 00 00 00
+        500   ->  5FF#60 04 20 00 00 00 00 00
+        500   <-  67F#23 03 60 00 E9 03 00 00
+        500   ->  5FF#80 03 60 00 00 00 00 08
+        500   <-  67F#40 03 60 00 00 00 00 00
+        500   ->  5FF#43 03 60 00 E8 03 00 00
+    "#]]);
+}
+
 /// NM17x LINK-04: a write reads back at once and reaches the application in the next gap.
 #[test]
 fn writes_read_back_at_once() {

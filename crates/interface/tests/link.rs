@@ -3,11 +3,15 @@
 use std::fmt::Write as _;
 
 use expect_test::{Expect, expect};
-use interface::link::{Event, Link, QueueError, WRITES_MAX};
+use interface::link::{Event, Kind, Link, QueueError, WRITES_MAX};
+use object_dictionary::ObjectId;
 use shared_proto::{
     Hello, NodeState, PROTOCOL, ProcessData, Receiver, ToApplication, ToInterface, Urgency, encode,
 };
 use units::{Duration, Instant};
+
+const WINDOW: ObjectId = ObjectId { index: 0x2003, sub: 0 };
+const PRESET: ObjectId = ObjectId { index: 0x6003, sub: 0 };
 
 const OWN: Hello = Hello {
     protocol: PROTOCOL,
@@ -159,6 +163,25 @@ fn the_partner_restarts() {
     "#]]);
 }
 
+/// NM17x LINK-06: a restart between an order and its acknowledgement: a value is set again, a
+/// preset is not made at another place.
+#[test]
+fn the_partner_restarts_with_writes_on_their_way() {
+    let mut script = Script::in_service();
+    for (id, kind) in [(PRESET, Kind::Action), (WINDOW, Kind::Value), (PRESET, Kind::Action)] {
+        script.link.write(id, 7, kind).expect("in service");
+    }
+    script.cycle(0).after(10).hears(hello(0xCC, 0, false));
+    script.after(10).hears(hello(0xCC, 0xAA, false)).cycle(0).cycle(2);
+    script.expect(expect![[r#"
+        10   ms  process, ack 0           -> write #1 6003:0 = 7
+        20   ms  hello cc heard 0         -> WriteNotAcknowledged, hello aa heard cc
+        30   ms  hello cc heard aa        -> hello aa heard cc up
+        40   ms  process, ack 0           -> write #2 2003:0 = 7
+        50   ms  process, ack 2           -> wants values from 40
+    "#]]);
+}
+
 /// NM17x LINK-06: this side restarted while the partner was in service.
 #[test]
 fn this_side_restarts() {
@@ -193,7 +216,7 @@ fn process_data_stay_away() {
 fn writes_go_one_by_one() {
     let mut script = Script::in_service();
     for value in [320, 321] {
-        script.link.write(0x2003, 0, value).expect("in service");
+        script.link.write(WINDOW, value, Kind::Value).expect("in service");
     }
     script.cycle(0).cycle(1).cycle(2);
     script.expect(expect![[r#"
@@ -207,8 +230,8 @@ fn writes_go_one_by_one() {
 #[test]
 fn a_write_is_not_acknowledged() {
     let mut script = Script::in_service();
-    script.link.write(0x2003, 0, 1).expect("in service");
-    script.link.write(0x2003, 0, 2).expect("in service");
+    script.link.write(WINDOW, 1, Kind::Value).expect("in service");
+    script.link.write(WINDOW, 2, Kind::Value).expect("in service");
     for _ in 0..10 {
         script.cycle(0);
     }
@@ -230,7 +253,7 @@ fn a_write_is_not_acknowledged() {
 #[test]
 fn an_urgent_order_overtakes() {
     let mut script = Script::in_service();
-    script.link.write(0x2003, 0, 1).expect("in service");
+    script.link.write(WINDOW, 1, Kind::Value).expect("in service");
     script.link.stop(Urgency::MotorStop);
     script.note("stop");
     script.cycle(0);
@@ -256,7 +279,7 @@ fn the_images_do_not_fit() {
         10   ms  hello bb heard aa        -> hello aa heard 0
         20   ms  process, ack 0           -> hello aa heard 0
     "#]]);
-    assert_eq!(script.link.write(0x2003, 0, 1), Err(QueueError::Down));
+    assert_eq!(script.link.write(WINDOW, 1, Kind::Value), Err(QueueError::Down));
 }
 
 /// NM17x LINK-05: the queue holds 50 writes; the next one is refused and later ones are not lost.
@@ -264,15 +287,18 @@ fn the_images_do_not_fit() {
 fn the_queue_is_bounded() {
     let mut script = Script::in_service();
     for value in 0..WRITES_MAX {
-        assert_eq!(script.link.write(0x2003, 0, value.try_into().expect("small")), Ok(()));
+        assert_eq!(
+            script.link.write(WINDOW, value.try_into().expect("small"), Kind::Value),
+            Ok(())
+        );
     }
-    assert_eq!(script.link.write(0x2003, 0, 50), Err(QueueError::Full));
+    assert_eq!(script.link.write(WINDOW, 50, Kind::Value), Err(QueueError::Full));
     for sequence in 0..50 {
         script.cycle(sequence);
     }
     let written = script.transcript.matches("write #").count();
     assert_eq!(written, WRITES_MAX, "{}", script.transcript);
-    assert_eq!(script.link.write(0x2003, 0, 50), Ok(()));
+    assert_eq!(script.link.write(WINDOW, 50, Kind::Value), Ok(()));
 }
 
 /// NM17x LINK-06: values that do not come are asked for again.
