@@ -151,3 +151,23 @@ fn a_full_bus_is_full() {
     let load = bus.busy() - before;
     assert!(load + 100_000 >= bus.now().since(start), "{load} ns");
 }
+
+#[test]
+fn an_engine_may_sleep_while_nothing_is_due() {
+    let run = |sleepy: bool| {
+        let mut bus = Bus::new(0);
+        let [a, b] = [0; 2].map(|_| bus.attach(Rate::Fixed(125_000), Role::Normal));
+        for id in 0..20 {
+            bus.send(if id % 2 == 0 { a } else { b }, frame(id)).unwrap();
+        }
+        let end = Nanos(100_000_000);
+        while bus.now() < end {
+            let due = bus.next_activity(&[]).map_or(end, |at| at.max(bus.now()));
+            let next = if sleepy { due.after(336_000) } else { bus.now().after(10_000) };
+            bus.resolve(next.min(end), &[]);
+        }
+        bus.log_since(Default::default()).0
+    };
+    assert_eq!(run(true), run(false));
+    assert_eq!(run(true).len(), 20);
+}

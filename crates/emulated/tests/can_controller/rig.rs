@@ -103,6 +103,12 @@ impl Rig {
         });
     }
 
+    /// Has boundaries every `quantum_ns` from now on.
+    pub(crate) fn with_quantum(mut self, quantum_ns: u64) -> Self {
+        self.quantum = quantum_ns;
+        self
+    }
+
     /// `nodes` controllers in normal mode at 1 Mbit/s that receive everything into FIFO 0.
     pub(crate) fn running(nodes: usize) -> Self {
         let mut rig = Self::new(nodes);

@@ -73,3 +73,47 @@ fn bit_timing_changes_only_during_initialisation() {
     rig.write(0, BTR, 0);
     assert_eq!(rig.read(0, BTR), 0x0014_0001, "in normal mode");
 }
+
+#[test]
+fn the_length_of_the_quanta_does_not_show() {
+    let observe = |quantum_ns| {
+        let mut rig = Rig::running(3).with_quantum(quantum_ns);
+        let mut received = Vec::new();
+        for n in 0..300u16 {
+            let node = usize::from(n % 3);
+            rig.send(node, u64::from(n / 3 % 3), std_frame(n * 37 % 0x7FF, &n.to_be_bytes()));
+            // Never on a boundary: what is written there comes after it.
+            rig.run_until(rig.now() / 1000 * 1000 + u64::from(n * 7 % 61) * 1000 + 500);
+            for node in 0..3 {
+                received.extend(rig.take_all(node, 0).into_iter().map(|frame| (node, frame)));
+            }
+        }
+        rig.run_us(1_000);
+        (rig.bus.log_since(Default::default()).0, received, rig.bus.busy())
+    };
+    let wanted = observe(40_000);
+    assert!(wanted.0.len() > 100, "{} frames", wanted.0.len());
+    for quantum_ns in [1_000, 7_777, 13_000, 33_333] {
+        let seen = observe(quantum_ns);
+        let first = wanted.0.iter().zip(&seen.0).position(|(wanted, seen)| wanted != seen);
+        if let Some(n) = first {
+            for l in [&wanted.0, &seen.0] {
+                for f in &l[n - 2..n + 3] {
+                    println!(
+                        "{} {} {:x} {:?} {:?}",
+                        f.start.0,
+                        f.end.0,
+                        f.frame.id().value(),
+                        f.frame.data(),
+                        f.source
+                    );
+                }
+                println!();
+            }
+        }
+        assert_eq!((first, seen.0.len()), (None, wanted.0.len()), "frames at {quantum_ns} ns");
+        let first = wanted.1.iter().zip(&seen.1).position(|(wanted, seen)| wanted != seen);
+        assert_eq!((first, seen.1.len()), (None, wanted.1.len()), "received at {quantum_ns} ns");
+        assert_eq!(seen.2, wanted.2, "busy at {quantum_ns} ns");
+    }
+}
