@@ -1,6 +1,7 @@
 //! Whatever software writes and whatever is on the bus: no panic, and the registers stay consistent.
 
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
 
 use crate::rig::{ESR, FMR, IER, MCR, MSR, RF0R, RF1R, Rig, TI0R, TSR, btr, ext_frame, std_frame};
 use world::can::Faults;
@@ -108,8 +109,18 @@ fn run(steps: &[Step]) -> (Rig, u64) {
     (rig, refused)
 }
 
+/// A failure prints its seed and keeps it in a file beside this one.
+fn config() -> ProptestConfig {
+    let beside = FileFailurePersistence::WithSource("regressions");
+    ProptestConfig {
+        cases: 200,
+        failure_persistence: Some(Box::new(beside)),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn nothing_written_or_sent_confuses_the_controller(steps in prop::collection::vec(step(), 1..80)) {
