@@ -31,7 +31,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("emulated",          &["units", "world"]),
     ("bench",             &["emulated", "units", "world"]),
     // Tests and tools
-    ("tests-host",        &[]),
+    ("tests-host",        &["emulated", "units", "world"]),
     ("tests-qemu",        &["canopen", "object-dictionary", "positioning", "shared-proto", "units"]),
     ("xtask",             &["object-dictionary", "profiles"]),
 ];

@@ -22,7 +22,18 @@ fn a_device_is_powered() {
     scene.run_ms(1_000).note_frames().note_display();
     scene.run_ms(2_000).note_display();
     scene.run_ms(3_000).note_display().note_frames();
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1000   ms  77F#00
+        1000   ms  [172.A01]
+        1000   ms  [   1.05]
+        3000   ms  [      ]
+        3000   ms  [   127]
+        6000   ms  [  10.00]  >
+        6000   ms  [   0.00]
+    "#]],
+    );
 }
 
 /// NM17x SDO-10: the examples of the manual, byte for byte (V-SDO-1 to V-SDO-5).
@@ -40,7 +51,17 @@ fn the_examples_of_the_manual() {
     ] {
         scene.sdo(request);
     }
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        6002   ms  23 03 60 00 20 A1 07 00 -> 60 03 60 00 00 00 00 00
+        6054   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 20 A1 07 00
+        6056   ms  23 03 20 00 40 01 00 00 -> 60 03 20 00 00 00 00 00
+        6058   ms  40 01 21 00 00 00 00 00 -> 4F 01 21 00 7F 00 00 00
+        6060   ms  23 00 20 05 01 00 00 00 -> 60 00 20 05 00 00 00 00
+        6062   ms  23 00 20 05 02 00 00 00 -> 80 00 20 05 30 00 09 06
+    "#]],
+    );
 }
 
 /// NM17x GEN-01, OD-1000-1, OD-1008-1, OD-1018-1, SDO-08: who a master finds.
@@ -60,7 +81,20 @@ fn a_master_identifies_the_device() {
     ] {
         scene.sdo(request);
     }
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  40 00 10 00 00 00 00 00 -> 43 00 10 00 96 01 02 00
+        1004   ms  40 08 10 00 00 00 00 00 -> 41 08 10 00 0E 00 00 00
+        1006   ms  60 00 00 00 00 00 00 00 -> 00 4E 4D 31 37 32 20 53
+        1008   ms  70 00 00 00 00 00 00 00 -> 11 74 61 6E 64 61 72 64
+        1010   ms  40 09 10 00 00 00 00 00 -> 4B 09 10 00 2F 41 00 00
+        1012   ms  40 0A 10 00 00 00 00 00 -> 43 0A 10 00 31 2E 30 35
+        1014   ms  40 18 10 01 00 00 00 00 -> 43 18 10 01 EC 00 00 00
+        1016   ms  40 18 10 02 00 00 00 00 -> 43 18 10 02 71 00 00 00
+        1018   ms  40 18 10 03 00 00 00 00 -> 43 18 10 03 01 00 01 00
+    "#]],
+    );
     let serial = scene.request("40 18 10 04 00 00 00 00");
     assert_ne!(serial, "43 18 10 04 00 00 00 00", "a serial number is never zero");
 }
@@ -76,7 +110,21 @@ fn the_shaft_turns() {
     scene.tell("shaft", json!({ "steps_per_s": TURN })).run_ms(1_000);
     scene.tell("shaft", json!({ "steps_per_s": 0 })).run_ms(200).note_display();
     scene.sdo("40 04 60 00 00 00 00 00");
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        6200   ms  2FF#00 00 00 00 00 00 00 10
+        6400   ms  2FF#90 01 00 00 00 00 00 10
+        6400   ms  [  10.00]  >
+        6400   ms  [   4.00]
+        6600   ms  2FF#E0 FC FF FF 00 00 00 10
+        6600   ms  [  10.00]  >
+        6600   ms  [-  8.00]
+        7800   ms  [  10.00]  >
+        7800   ms  [-  4.00]
+        7802   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 70 FE FF FF
+    "#]],
+    );
 }
 
 /// NM17x POS-03, POS-06, POS-08, POS-10, POS-13, A-50, A-51: direction, preset and correction, on
@@ -94,7 +142,34 @@ fn direction_preset_and_correction() {
     scene.note_display();
     scene.note("both turns back").tell("shaft", json!({ "steps": -2 * TURN })).run_ms(100);
     scene.sdo(reads).note_display();
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        6102   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 90 01 00 00
+        6102   ms  [  10.00]  >
+        6102   ms  [   4.00]
+        6102   ms  counts down
+        6104   ms  23 00 20 02 01 00 00 00 -> 60 00 20 02 00 00 00 00
+        6206   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 70 FE FF FF
+        6206   ms  preset 100.00
+        6208   ms  23 03 60 00 10 27 00 00 -> 60 03 60 00 00 00 00 00
+        6310   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 10 27 00 00
+        6310   ms  correction -62.50
+        6312   ms  23 10 20 00 96 E7 FF FF -> 60 10 20 00 00 00 00 00
+        6414   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 10 27 00 00
+        6414   ms  [  10.00] <
+        6414   ms  [  37.50]
+        6414   ms  correction off
+        6416   ms  23 00 20 06 00 00 00 00 -> 60 00 20 06 00 00 00 00
+        6518   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 10 27 00 00
+        6518   ms  [  10.00] <
+        6518   ms  [ 100.00]
+        6518   ms  both turns back
+        6620   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 30 2A 00 00
+        6620   ms  [  10.00] <
+        6620   ms  [ 108.00]
+    "#]],
+    );
 }
 
 /// NM17x DISP-03, POS-07, A-58: beyond the places of the display the bus still has the value.
@@ -107,7 +182,25 @@ fn the_display_overflows() {
     scene.note("-999.99").sdo("23 03 60 00 61 79 FE FF").run_ms(100).note_display();
     scene.tell("shaft", json!({ "steps": -64 })).run_ms(100).note_display();
     scene.sdo("40 04 60 00 00 00 00 00");
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        6000   ms  9999.99
+        6002   ms  23 03 60 00 3F 42 0F 00 -> 60 03 60 00 00 00 00 00
+        6102   ms  [  10.00] <
+        6102   ms  [9999.99]
+        6202   ms  [Er 1  ] <
+        6202   ms  [0000.05]
+        6204   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 45 42 0F 00
+        6204   ms  -999.99
+        6206   ms  23 03 60 00 61 79 FE FF -> 60 03 60 00 00 00 00 00
+        6306   ms  [  10.00]  >
+        6306   ms  [-999.99]
+        6406   ms  [Er 2  ]  >
+        6406   ms  [-000.05]
+        6408   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 5B 79 FE FF
+    "#]],
+    );
 }
 
 /// NM17x PDO-02, PDO-03, PDO-05, PDO-06, PDO-25: with every third SYNC; by the event timer, held
@@ -127,7 +220,27 @@ fn the_position_is_sent_with_sync_and_by_timer() {
     scene.sdo("2B 01 18 05 14 00 00 00").frames();
     let sent = scene.run_ms(1_000).frames().len();
     scene.note(&format!("{sent} in a second"));
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  2F 01 18 02 03 00 00 00 -> 60 01 18 02 00 00 00 00
+        1112   ms  080#
+        1122   ms  080#00
+        1132   ms  080#
+        1132   ms  2FF#00 00 00 00 00 00 00 10
+        1142   ms  080#
+        1152   ms  080#
+        1162   ms  080#
+        1162   ms  2FF#00 00 00 00 00 00 00 10
+        1162   ms  type 254, event timer 1 ms, inhibit time 80 ms
+        1164   ms  2F 01 18 02 FE 00 00 00 -> 60 01 18 02 00 00 00 00
+        2164   ms  12 in a second
+        2164   ms  inhibit time 0, event timer 20 ms
+        2166   ms  2B 01 18 03 00 00 00 00 -> 60 01 18 03 00 00 00 00
+        2170   ms  2B 01 18 05 14 00 00 00 -> 60 01 18 05 00 00 00 00
+        3170   ms  50 in a second
+    "#]],
+    );
 }
 
 /// NM17x HB-01, NMT-01, NMT-02, NMT-04, SDO-07: every state in the heartbeat, SDO in two of them.
@@ -142,7 +255,31 @@ fn states_and_heartbeats() {
     scene.note("82 7F").send("000#82 7F").run_ms(500).note_frames();
     scene.sdo("40 17 10 00 00 00 00 00");
     scene.note("81 7F").send("000#81 7F").run_ms(1_000).note_frames();
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  2B 17 10 00 64 00 00 00 -> 60 17 10 00 00 00 00 00
+        1092   ms  77F#7F
+        1092   ms  01 00
+        1192   ms  2FF#00 00 00 00 00 00 00 10
+        1192   ms  77F#05
+        1202   ms  5FF#43 00 10 00 96 01 02 00
+        1202   ms  77F#05
+        1202   ms  02 7F
+        1302   ms  77F#04
+        1312   ms  80 7F
+        1412   ms  77F#7F
+        1422   ms  5FF#43 00 10 00 96 01 02 00
+        1422   ms  01 05
+        1522   ms  77F#7F
+        1532   ms  5FF#43 00 10 00 96 01 02 00
+        1532   ms  82 7F
+        2032   ms  77F#00
+        2034   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 00 00 00 00
+        2034   ms  81 7F
+        3034   ms  77F#00
+    "#]],
+    );
 }
 
 /// NM17x SDO-05, SDO-06, SDO-09, BOOT-10: one abort code for each request, in the order of the
@@ -170,7 +307,27 @@ fn one_abort_code_for_each_request() {
     ] {
         scene.sdo(request);
     }
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  FF 04 60 00 00 00 00 00 -> 80 04 60 00 01 00 04 05
+        1004   ms  40 FF 5F 00 00 00 00 00 -> 80 FF 5F 00 00 00 02 06
+        1006   ms  40 04 60 01 00 00 00 00 -> 80 04 60 01 11 00 09 06
+        1008   ms  40 15 20 00 00 00 00 00 -> 80 15 20 00 01 00 01 06
+        1010   ms  23 04 60 00 00 00 00 00 -> 80 04 60 00 02 00 01 06
+        1012   ms  2B 04 60 00 00 00 00 00 -> 80 04 60 00 02 00 01 06
+        1014   ms  2B 03 20 00 05 00 00 00 -> 80 03 20 00 00 00 01 06
+        1016   ms  23 03 20 00 10 27 00 00 -> 80 03 20 00 30 00 09 06
+        1018   ms  23 04 20 00 FF E0 F5 05 -> 60 04 20 00 00 00 00 00
+        1020   ms  23 04 20 00 00 E1 F5 05 -> 80 04 20 00 30 00 09 06
+        1022   ms  22 17 10 00 00 00 01 00 -> 80 17 10 00 31 00 09 06
+        1024   ms  2F 01 21 00 00 00 00 00 -> 80 01 21 00 30 00 09 06
+        1026   ms  2F 00 18 02 00 00 00 00 -> 80 00 18 02 30 00 09 06
+        1028   ms  2F 00 18 02 F1 00 00 00 -> 80 00 18 02 30 00 09 06
+        1030   ms  40 06 20 01 00 00 00 00 -> 43 06 20 01 69 00 00 00
+        1032   ms  40 06 20 02 00 00 00 00 -> 43 06 20 02 81 82 00 00
+    "#]],
+    );
 }
 
 /// NM17x STORE-01, STORE-02, STORE-07, BOOT-05, POS-08: parameters of both controllers outlive the
@@ -189,13 +346,34 @@ fn parameters_outlive_the_supply() {
         scene.note("supply back").note_frames().note_display();
         scene.sdo("40 04 60 00 00 00 00 00").sdo("40 20 20 01 00 00 00 00");
         scene.sdo("40 03 20 00 00 00 00 00");
-        check(&scene, expect![[r#""#]]);
+        check(
+            &scene,
+            expect![[r#"
+            6052   ms  23 03 60 00 10 27 00 00 -> 60 03 60 00 00 00 00 00
+            6054   ms  23 20 20 01 40 9C 00 00 -> 60 20 20 01 00 00 00 00
+            6056   ms  23 03 20 00 40 01 00 00 -> 60 03 20 00 00 00 00 00
+            6058   ms  2F 01 21 00 25 00 00 00 -> 60 01 21 00 00 00 00 00
+            12658  ms  supply back
+            12658  ms  725#00
+            12658  ms  [ 400.00]  >
+            12658  ms  [ 100.00]
+            12660  ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 10 27 00 00
+            12662  ms  40 20 20 01 00 00 00 00 -> 43 20 20 01 40 9C 00 00
+            12664  ms  40 03 20 00 00 00 00 00 -> 43 03 20 00 40 01 00 00
+        "#]],
+        );
         let (status, errors) = scene.bench.stop();
         assert!(status.success(), "{errors}");
     }
     let mut scene = Scene::running("nm172", &state_option);
     scene.node_id(0x25).sdo("40 20 20 01 00 00 00 00").sdo("40 03 20 00 00 00 00 00");
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        6002   ms  40 20 20 01 00 00 00 00 -> 43 20 20 01 40 9C 00 00
+        6004   ms  40 03 20 00 00 00 00 00 -> 43 03 20 00 40 01 00 00
+    "#]],
+    );
     let _ = std::fs::remove_dir_all(state);
 }
 
@@ -239,7 +417,18 @@ fn the_link_is_cut_and_mended() {
     scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
     scene.tell("link", json!({ "cut": false })).run_ms(1_000).note_frames();
     scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        1200   ms  0FF#10 83 00 00 00 00 00 01
+        1200   ms  0FF#10 83 01 00 00 00 00 04
+        1202   ms  40 04 60 00 00 00 00 00 -> 80 04 60 00 24 00 00 08
+        1204   ms  23 03 20 00 40 01 00 00 -> 80 03 20 00 00 00 06 06
+        2204   ms  0FF#00 00 00 00 00 00 00 00
+        2206   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
+        2208   ms  23 03 20 00 40 01 00 00 -> 60 03 20 00 00 00 00 00
+    "#]],
+    );
     assert_eq!(resets(&mut scene.bench), [1, 1]);
 }
 
@@ -273,7 +462,29 @@ fn all_nine_bit_rates() {
         scene.tell("power", json!({ "on": true })).run_ms(1_000);
         scene.note_frames().sdo("40 00 21 00 00 00 00 00");
     }
-    check(&scene, expect![[r#""#]]);
+    check(
+        &scene,
+        expect![[r#"
+        2602   ms  77F#00
+        2602   ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 08 00 00 00
+        4203   ms  77F#00
+        4227   ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 00 00 00 00
+        5852   ms  77F#00
+        5852   ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 07 00 00 00
+        7453   ms  77F#00
+        7465   ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 01 00 00 00
+        9078   ms  77F#00
+        9078   ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 06 00 00 00
+        10679  ms  77F#00
+        10684  ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 02 00 00 00
+        12289  ms  77F#00
+        12290  ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 05 00 00 00
+        13891  ms  77F#00
+        13893  ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 03 00 00 00
+        15496  ms  77F#00
+        15498  ms  40 00 21 00 00 00 00 00 -> 4F 00 21 00 04 00 00 00
+    "#]],
+    );
 }
 
 /// Any frame of any kind, to any identifier: the device lives, answers as before, and never
@@ -377,5 +588,13 @@ fn answers_have_the_fields_of_the_interface() {
         let answer = bench.tell(verb, json!({}));
         listed += &format!("{verb}: {}\n", fields(&answer).join(" "));
     }
-    expect![[r#""#]].assert_eq(&listed);
+    expect![[r#"
+        now: id ok us
+        motor: id in1 in2 in3 in4 ok steps_per_s
+        display: ascii id left_arrow lower ok right_arrow segments upper
+        can_log: frames id ok
+        log: id lines ok
+        stats: id msp ok stm
+    "#]]
+    .assert_eq(&listed);
 }

@@ -26,6 +26,9 @@ use crate::status::Status;
 pub const STEP: Duration = Duration::from_millis(2);
 /// Steps in a cycle of the link.
 const CYCLE_STEPS: u64 = Duration::from_millis(CYCLE_MS).as_micros() / STEP.as_micros();
+/// The step of a cycle that may send values: apart from the process data, so that those are never
+/// noticed late because the line goes on talking.
+const VALUES_STEP: u64 = CYCLE_STEPS / 2;
 /// A restart that was ordered waits for this long, so that the order is acknowledged first and not
 /// repeated to the restarted controller. Room for three cycles.
 const RESTART_AFTER: Duration = Duration::from_millis(3 * CYCLE_MS);
@@ -155,8 +158,10 @@ impl Application {
         let key_pressed = self.left_key.active() || self.right_key.active();
         self.rest = self.rest.step(now, self.displayed(), key_pressed);
         self.link.handle_time(now);
-        if self.steps.is_multiple_of(CYCLE_STEPS) {
-            self.link.start_cycle();
+        match self.steps % CYCLE_STEPS {
+            0 => self.link.start_cycle(),
+            VALUES_STEP => self.link.offer_values(),
+            _ => {}
         }
         self.steps = self.steps.wrapping_add(1);
     }

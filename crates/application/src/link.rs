@@ -141,6 +141,10 @@ impl Link {
     /// Starts a cycle.
     pub(crate) fn start_cycle(&mut self) {
         self.cycle_due = true;
+    }
+
+    /// Lets values be sent; once in a cycle.
+    pub(crate) fn offer_values(&mut self) {
         self.values_due = true;
     }
 

@@ -63,6 +63,7 @@ fn a_repeated_write_is_executed_once() {
     check(
         &mut rig,
         expect![[r#"
+            values from 31: 10
             process 1: at 5000, write 1, stop 0
             process 2: at 5400, write 1, stop 0
             process 3: at 5400, write 1, stop 0
@@ -71,7 +72,7 @@ fn a_repeated_write_is_executed_once() {
             process 6: at 5400, write 1, stop 0
             process 7: at 5400, write 1, stop 0
             process 8: at 5400, write 1, stop 0
-            values from 31: 10
+            values from 41: 10
             process 9: at 5400, write 1, stop 0
             process 10: at 0, write 2, stop 0
         "#]],
@@ -91,16 +92,17 @@ fn values_are_sent_when_they_are_asked_for() {
     check(
         &mut rig,
         expect![[r#"
-        process 1: at 0, write 0, stop 0
-        values from 60: 7
-        process 2: at 0, write 0, stop 0
-        process 3: at 0, write 0, stop 0
-        process 4: at 0, write 0, stop 0
-    "#]],
+            values from 60: 7
+            process 1: at 0, write 0, stop 0
+            process 2: at 0, write 0, stop 0
+            process 3: at 0, write 0, stop 0
+            process 4: at 0, write 0, stop 0
+        "#]],
     );
 
     let mut rig = Rig::in_service();
     rig.write(&nm17x::LOOP_LENGTH, 321);
+    rig.steps(CYCLE);
     rig.said();
     rig.say(&ToApplication::RequestSnapshot { supervision: SUPERVISION, from: 0 });
     rig.steps(20 * CYCLE);
@@ -123,6 +125,7 @@ fn values_are_sent_when_they_are_asked_for() {
 #[test]
 fn a_stop_is_acknowledged() {
     let mut rig = Rig::in_service();
+    rig.steps(CYCLE);
     rig.said();
     rig.say(&stop(7));
     rig.say(&stop(7));
@@ -132,9 +135,9 @@ fn a_stop_is_acknowledged() {
     check(
         &mut rig,
         expect![[r#"
-        process 1: at 0, write 0, stop 7
-        process 2: at 0, write 0, stop 8
-    "#]],
+            process 2: at 0, write 0, stop 7
+            process 3: at 0, write 0, stop 8
+        "#]],
     );
     assert_eq!(rig.application.motor(), MotorOutputs::OFF);
 }
@@ -248,15 +251,15 @@ fn a_write_that_is_not_possible_is_undone_in_the_copy() {
     check(
         &mut rig,
         expect![[r#"
-        process 3: at 0, write 2, stop 0
-        values from 65: 1
-        process 4: at 0, write 3, stop 0
-        values from 34: 1
-        process 5: at 0, write 4, stop 0
-        process 6: at 0, write 5, stop 0
-        values from 66: 1
-        process 7: at 0, write 5, stop 0
-    "#]],
+            values from 65: 1
+            process 3: at 0, write 2, stop 0
+            values from 34: 1
+            process 4: at 0, write 3, stop 0
+            process 5: at 0, write 4, stop 0
+            values from 66: 1
+            process 6: at 0, write 5, stop 0
+            process 7: at 0, write 5, stop 0
+        "#]],
     );
     let keys: Vec<_> = rig.stores.iter().map(|(key, _)| *key).collect();
     assert_eq!(keys, [nm17x::SCALING.id().key()]);
