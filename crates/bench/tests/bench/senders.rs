@@ -39,6 +39,7 @@ impl Senders {
             since: Nanos::ZERO,
             counters: ErrorCounters::NONE,
             order: SendOrder::Identifier,
+            waits: false,
             requests: [None; 3],
         };
         Box::new(Self {
