@@ -223,7 +223,7 @@ mod tests {
             .iter()
             .map(|line| {
                 let text: String = line.spans.iter().map(|span| span.content.as_ref()).collect();
-                text.trim_end().to_owned() + "\n"
+                format!("|{}\n", text.trim_end())
             })
             .collect();
         expected.assert_eq(&picture);
@@ -234,14 +234,14 @@ mod tests {
         check(
             &[(0, 0b1111), (1, 0b1111), (2, 0b0110), (23, 0b0100), (24, 0b1100)],
             &expect![[r#"
-
-                    _
-                   |_|   |
-                   |_|.  |
-
-                                        _
-
-                   ◀                      ▶
+                |
+                |    _
+                |   |_|   |
+                |   |_|.  |
+                |
+                |                        _
+                |
+                |   ◀                      ▶
             "#]],
         );
     }
