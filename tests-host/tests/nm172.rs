@@ -127,6 +127,30 @@ fn the_shaft_turns() {
     );
 }
 
+/// NM17x GEN-02: what happens to the shaft without supply is known when the supply is back; a sensor
+/// that is not there is seen on the display, and nothing is invented in its place.
+#[test]
+fn the_shaft_turns_without_supply() {
+    let mut scene = Scene::booted("nm172", &[]);
+    scene.sdo("40 04 60 00 00 00 00 00");
+    scene.tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("shaft", json!({ "steps": -200 * TURN })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).run_ms(6_000).note_display();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    scene.tell("sensor", json!({ "connected": false })).run_ms(100).note_display();
+    scene.tell("sensor", json!({ "connected": true })).run_ms(100).note_display();
+    check(&scene, expect![[r#"
+        1002   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
+        7202   ms  [  10.00]  >
+        7202   ms  [-800.00]
+        7204   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 80 C7 FE FF
+        7304   ms  [  10.00]
+        7304   ms  [------]
+        7404   ms  [  10.00]  >
+        7404   ms  [-800.00]
+    "#]]);
+}
+
 /// NM17x POS-03, POS-06, POS-08, POS-10, POS-13, A-50, A-51: direction, preset and correction, on
 /// the display (with correction) and on the bus (without).
 #[test]

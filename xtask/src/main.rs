@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+mod codegen;
 mod flash;
 mod images;
 mod python;
@@ -21,6 +22,7 @@ cargo xtask VERB
   up PRODUCT [OPTIONS]     build the images and the bench, then start the bench with these options
   test                     everything that has to pass: style, lints, documentation, all tests
   ci                       the same as test
+  codegen                  write the files that are made from the dictionaries
   size                     flash and RAM of the images, and the crates that take most of it
   perf                     measure the images on the bench
   trace                    which requirement is shown by which test
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
     let done = match arguments.as_slice() {
         ["up", rest @ ..] => up::up(rest),
         ["test" | "ci"] => test::test(),
+        ["codegen"] => codegen::write(),
         ["size"] => size::size(),
         ["perf"] => up::perf(),
         ["trace"] => trace::trace(),
@@ -44,7 +47,7 @@ fn main() -> ExitCode {
             Ok(())
         }
         [] => Err(Failure::Usage(format!("a verb is missing\n\n{HELP}"))),
-        [verb @ ("test" | "ci" | "size" | "perf" | "trace"), extra, ..] => {
+        [verb @ ("test" | "ci" | "codegen" | "size" | "perf" | "trace"), extra, ..] => {
             Err(Failure::Usage(format!("`cargo xtask {verb}` takes no `{extra}`")))
         }
         [verb, ..] => Err(Failure::Usage(format!("there is no verb `{verb}`\n\n{HELP}"))),
