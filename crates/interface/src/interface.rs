@@ -13,6 +13,7 @@ use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
 use crate::nm17x::SETTINGS;
 use crate::objects::{Known, Objects, Outcome, is_live};
+use crate::record::Record;
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
@@ -27,15 +28,6 @@ pub struct Boot {
     pub serial_number: u32,
     /// Differs from one start to the next, not 0.
     pub nonce: u32,
-}
-
-/// A number to be kept without supply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Record {
-    /// Index and sub-index as [`object_dictionary::ObjectId::key`] gives them.
-    pub key: u32,
-    /// The value.
-    pub value: u32,
 }
 
 /// The CAN controller's standing on the bus (ISO 11898-1, fault confinement).

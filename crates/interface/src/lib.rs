@@ -7,5 +7,7 @@ mod interface;
 pub mod link;
 mod nm17x;
 mod objects;
+mod record;
 
-pub use interface::{Boot, BusState, Event, Interface, Record};
+pub use interface::{Boot, BusState, Event, Interface};
+pub use record::Record;

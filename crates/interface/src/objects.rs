@@ -5,8 +5,8 @@ use canopen::{Application, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
 use profiles::nm17x::{ERRORS, POSITION_VALUE, PRESET, RESET_FUNCTION, STATUS, STATUS_REGISTER};
 
-use crate::interface::Record;
 use crate::link::{Kind, Link, QueueError};
+use crate::record::Record;
 
 /// What process data carry: known only as long as they arrive.
 const LIVE: [ObjectId; 4] = [POSITION_VALUE.id(), STATUS.id(), ERRORS.id(), STATUS_REGISTER.id()];
