@@ -139,7 +139,9 @@ fn the_shaft_turns_without_supply() {
     scene.sdo("40 04 60 00 00 00 00 00");
     scene.tell("sensor", json!({ "connected": false })).run_ms(100).note_display();
     scene.tell("sensor", json!({ "connected": true })).run_ms(100).note_display();
-    check(&scene, expect![[r#"
+    check(
+        &scene,
+        expect![[r#"
         1002   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
         7202   ms  [  10.00]  >
         7202   ms  [-800.00]
@@ -148,7 +150,8 @@ fn the_shaft_turns_without_supply() {
         7304   ms  [------]
         7404   ms  [  10.00]  >
         7404   ms  [-800.00]
-    "#]]);
+    "#]],
+    );
 }
 
 /// NM17x POS-03, POS-06, POS-08, POS-10, POS-13, A-50, A-51: direction, preset and correction, on
@@ -474,6 +477,51 @@ fn the_link_is_noisy() {
     scene.tell("power", json!({ "on": true })).run_ms(1_000);
     assert_eq!(scene.request("40 03 20 00 00 00 00 00"), "43 03 20 00 27 01 00 00");
     assert_eq!(resets(&mut scene.bench), [2, 2], "power-on twice, nothing else");
+}
+
+/// NM17x EMCY-02, EMCY-05, A-31: disturbed, held dominant until bus-off, and back without a restart.
+#[test]
+fn the_bus_is_disturbed() {
+    let mut scene = Scene::booted("nm172", &[]);
+    scene.sdo("2B 17 10 00 0A 00 00 00").note("half of all frames fail");
+    scene.tell("can_fault", json!({ "error_rate": 0.5 })).run_ms(1_000);
+    scene.tell("can_fault", json!({ "error_rate": 0.0 })).run_ms(200);
+    let heartbeats = scene.frames().iter().filter(|frame| *frame == "77F#7F").count();
+    assert!((80..=122).contains(&heartbeats), "{heartbeats} heartbeats in 1.2 s");
+    scene.note("held dominant").tell("can_fault", json!({ "stuck_dominant": true })).run_ms(500);
+    scene.tell("can_fault", json!({ "stuck_dominant": false })).run_ms(2_000).frames();
+    scene.sdo("2B 17 10 00 00 00 00 00").sdo("40 01 10 00 00 00 00 00");
+    check(&scene, expect![[r#"
+        1002   ms  2B 17 10 00 0A 00 00 00 -> 60 17 10 00 00 00 00 00
+        1002   ms  half of all frames fail
+        2202   ms  held dominant
+        4705   ms  2B 17 10 00 00 00 00 00 -> 60 17 10 00 00 00 00 00
+        4707   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 00 00 00 00
+    "#]]);
+    assert_eq!(resets(&mut scene.bench), [1, 1]);
+}
+
+/// NM17x ADDR-01, ADDR-02: two devices on one bus, told apart once one has another node-ID.
+#[test]
+fn two_devices_share_a_bus() {
+    let mut scene = Scene::powered("nm172", &["--nodes", "2"]);
+    scene.tell("power", json!({ "node": 1, "on": false })).run_ms(1_000).note_frames();
+    scene.request("2F 01 21 00 02 00 00 00");
+    scene.run_ms(300).tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).tell("power", json!({ "node": 1, "on": true }));
+    scene.run_ms(1_000).note_frames();
+    scene.tell("shaft", json!({ "node": 1, "steps": TURN })).run_ms(100);
+    scene.sdo("40 04 60 00 00 00 00 00");
+    let other = scene.request("40 18 10 04 00 00 00 00");
+    scene.node_id(2).sdo("40 04 60 00 00 00 00 00");
+    assert_ne!(scene.request("40 18 10 04 00 00 00 00"), other, "serial numbers differ");
+    check(&scene, expect![[r#"
+        1000   ms  77F#00
+        2402   ms  702#00
+        2402   ms  77F#00
+        2504   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 90 01 00 00
+        2508   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
+    "#]]);
 }
 
 /// NM17x GEN-05, LSS-05, OD-2100-1: all nine bit rates, each after a restart.
