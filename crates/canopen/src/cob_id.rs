@@ -62,14 +62,20 @@ impl CobId {
         CanId::from_low_bits(self.0)
     }
 
-    /// The identifier, unless bit 31 says that the PDO does not exist.
-    pub(crate) const fn pdo(self) -> Option<CanId> {
+    /// The identifier, unless bit 31 says that the PDO or the emergency message does not exist.
+    pub(crate) const fn valid(self) -> Option<CanId> {
         if self.0 & Self::INVALID == 0 { Some(self.can_id()) } else { None }
     }
 
     /// Whether a PDO may have it: eleven bits, and not one of the restricted identifiers.
     pub(crate) fn suits_pdo(self) -> bool {
         self.0 & Self::EXTENDED == 0 && !is_restricted(self.can_id())
+    }
+
+    /// Whether emergency messages may have it: eleven bits, and not one of the restricted
+    /// identifiers (CiA 301, section 7.5.2.17).
+    pub(crate) fn suits_emergency(self) -> bool {
+        self.0 & (Self::EXTENDED | Self::GENERATE) == 0 && !is_restricted(self.can_id())
     }
 
     /// Whether a SYNC consumer may have it: eleven bits, not asked to produce, and not one of the

@@ -1,14 +1,133 @@
-use crate::frame::{CanId, Frame};
+use heapless::Deque;
+use object_dictionary::{ObjectId, Values};
+use units::{Duration, Instant};
 
-/// The emergency message (CiA 301, section 7.2.7.1): what went wrong, the error register with it,
-/// and five bytes of the maker's.
-pub(crate) fn message(
-    id: CanId,
-    error_code: u16,
-    error_register: u8,
-    manufacturer: [u8; 5],
-) -> Frame {
-    let [low, high] = error_code.to_le_bytes();
-    let [a, b, c, d, e] = manufacturer;
-    Frame::full(id, [low, high, error_register, a, b, c, d, e])
+use crate::cob_id::{CobId, NodeId, Service};
+use crate::frame::{CanId, Frame};
+use crate::settings::{AdditionalInformation, Settings};
+
+/// Messages that may wait for the end of the inhibit time.
+const WAITING_MAX: usize = 8;
+
+/// One step of 0x1015.
+const INHIBIT_UNIT: Duration = Duration::from_micros(100);
+
+const COB_ID: ObjectId = ObjectId { index: 0x1014, sub: 0 };
+const INHIBIT_TIME: ObjectId = ObjectId { index: 0x1015, sub: 0 };
+const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
+/// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
+pub(crate) const HISTORY: u16 = 0x1003;
+
+/// The code that says that an error is over.
+const ERROR_RESET: u16 = 0x0000;
+
+/// The emergency producer (CiA 301, section 7.2.7; objects 0x1003, 0x1014 and 0x1015).
+///
+/// Without 0x1014 it has the identifier of the connection set. Inside the inhibit time messages
+/// wait, with the error register of their moment; of too many the oldest is dropped, and stays in
+/// the error field.
+#[derive(Debug)]
+pub(crate) struct Producer {
+    id: Option<CanId>,
+    inhibit_time: Duration,
+    inhibited_until: Instant,
+    waiting: Deque<[u8; 8], WAITING_MAX>,
+}
+
+impl Producer {
+    pub(crate) fn new<const LEN: usize>(node_id: NodeId, values: &Values<LEN>) -> Self {
+        let mut producer = Self {
+            id: Some(Service::Emergency.id(node_id)),
+            inhibit_time: Duration::ZERO,
+            inhibited_until: Instant::ZERO,
+            waiting: Deque::new(),
+        };
+        producer.reread(Instant::ZERO, values);
+        producer
+    }
+
+    /// Takes 0x1014 and 0x1015 over again. A producer that is switched off forgets what waits.
+    pub(crate) fn reread<const LEN: usize>(&mut self, now: Instant, values: &Values<LEN>) {
+        let value = |object| {
+            let slot = values.dictionary().find(object).ok()?;
+            Some(values.raw(slot))
+        };
+        if let Some(raw) = value(COB_ID) {
+            self.id = CobId::from_raw(raw).valid();
+        }
+        self.inhibit_time = INHIBIT_UNIT * u64::from(value(INHIBIT_TIME).unwrap_or(0));
+        self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
+        if self.id.is_none() {
+            self.waiting.clear();
+        }
+    }
+
+    /// Records an error and takes the message for it. Comes back with the frame if no inhibit time
+    /// holds it.
+    pub(crate) fn raise<const LEN: usize>(
+        &mut self,
+        error_code: u16,
+        manufacturer: [u8; 5],
+        values: &mut Values<LEN>,
+        settings: &Settings,
+    ) -> Option<Frame> {
+        if error_code != ERROR_RESET {
+            record(values, settings.additional_information.entry(error_code, manufacturer));
+        }
+        let [low, high] = error_code.to_le_bytes();
+        let [a, b, c, d, e] = manufacturer;
+        let register = values.dictionary().find(ERROR_REGISTER).map_or(0, |slot| values.raw(slot));
+        let [register, ..] = register.to_le_bytes();
+        let data = [low, high, register, a, b, c, d, e];
+        let id = self.id?;
+        if self.inhibit_time == Duration::ZERO && self.waiting.is_empty() {
+            return Some(Frame::full(id, data));
+        }
+        if self.waiting.is_full() {
+            self.waiting.pop_front();
+        }
+        let _ = self.waiting.push_back(data);
+        None
+    }
+
+    /// When the next waiting message may go.
+    pub(crate) fn due_at(&self) -> Option<Instant> {
+        (!self.waiting.is_empty()).then_some(self.inhibited_until)
+    }
+
+    /// The next waiting message whose time has come.
+    pub(crate) fn take_due(&mut self, now: Instant) -> Option<Frame> {
+        self.due_at().filter(|&due_at| due_at <= now)?;
+        let (id, data) = (self.id?, self.waiting.pop_front()?);
+        self.inhibited_until = now + self.inhibit_time;
+        Some(Frame::full(id, data))
+    }
+}
+
+impl AdditionalInformation {
+    /// An entry of the pre-defined error field.
+    const fn entry(self, error_code: u16, manufacturer: [u8; 5]) -> u32 {
+        let [low, high] = error_code.to_le_bytes();
+        let [first, second, _, _, last] = manufacturer;
+        match self {
+            Self::FirstTwoBytes => u32::from_le_bytes([low, high, first, second]),
+            Self::LastByte => u32::from_le_bytes([low, high, last, 0]),
+        }
+    }
+}
+
+/// Puts an entry in front of the others; the oldest of a full list goes.
+fn record<const LEN: usize>(values: &mut Values<LEN>, entry: u32) {
+    let dictionary = values.dictionary();
+    let Ok(count) = dictionary.find(ObjectId { index: HISTORY, sub: 0 }) else { return };
+    let mut carried = entry;
+    let mut entries = 0;
+    for sub in 1..=u8::MAX {
+        let Ok(slot) = dictionary.find(ObjectId { index: HISTORY, sub }) else { break };
+        let before = values.raw(slot);
+        values.set_raw(slot, carried);
+        carried = before;
+        entries += 1;
+    }
+    values.set_raw(count, entries.min(values.raw(count) + 1));
 }

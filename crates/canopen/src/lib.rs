@@ -17,7 +17,7 @@
 //! | SDO server | one; expedited and segmented, both ways |
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
 //! | SYNC | consumer |
-//! | EMCY | messages on request of the core above |
+//! | EMCY | identifier (0x1014), inhibit time, error field (0x1003), error reset with the error register |
 //!
 //! **Concurrency.** A node is one value with `&mut` methods and no interior sharing: run it where
 //! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
@@ -55,4 +55,4 @@ pub use nmt::State;
 pub use node::{Accepted, Event, Node};
 pub use outbox::TRANSMIT_MAX;
 pub use sdo::AbortCode;
-pub use settings::{AbortCodes, Expedited, Settings, Trigger};
+pub use settings::{AbortCodes, AdditionalInformation, Expedited, Settings, Trigger};

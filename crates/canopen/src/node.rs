@@ -43,6 +43,7 @@ pub struct Node<const LEN: usize> {
     values: Values<LEN>,
     heartbeat: heartbeat::Producer,
     sync: Option<sync::Consumer>,
+    emergencies: emcy::Producer,
     sdo: sdo::Server,
     tpdos: Vec<Tpdo, TPDO_MAX>,
     outbox: Outbox,
@@ -115,6 +116,7 @@ impl<const LEN: usize> Node<LEN> {
             state: State::Initialising,
             heartbeat,
             sync: value(SYNC_COB_ID).map(sync::Consumer::new),
+            emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
             tpdos,
             outbox: Outbox::default(),
@@ -167,6 +169,7 @@ impl<const LEN: usize> Node<LEN> {
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
+        self.send_waiting_emergencies(now);
         self.transmit_due(now);
     }
 
@@ -174,7 +177,9 @@ impl<const LEN: usize> Node<LEN> {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         let tpdos = self.tpdos.iter().filter_map(Tpdo::due_at);
-        [self.sdo.poll_timeout(), self.heartbeat.due_at()].into_iter().flatten().chain(tpdos).min()
+        let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
+        let due = [self.sdo.poll_timeout(), self.heartbeat.due_at(), emergencies];
+        due.into_iter().flatten().chain(tpdos).min()
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -202,15 +207,29 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Sends an emergency message with the present error register. Nothing in a state that has no
-    /// emergency messages: Initialising and Stopped (CiA 301, table 39).
+    /// Sets the error register, 0x1001, to what the device says. When no error is left, an error
+    /// reset message goes out.
+    pub fn set_error_register(&mut self, now: Instant, errors: u8) {
+        let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
+        let before = self.values.raw(slot);
+        self.set_value(now, slot, u32::from(errors));
+        if before != 0 && errors == 0 {
+            self.send_emergency(0x0000, [0; 5]);
+        }
+    }
+
+    /// Records an error in the pre-defined error field and sends an emergency message with the
+    /// present error register. Nothing in a state that has no emergency messages: Initialising and
+    /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
         if !self.state.serves_sdo() {
             return;
         }
-        let [error_register, ..] = self.value(ERROR_REGISTER).to_le_bytes();
-        let id = Service::Emergency.id(self.node_id);
-        self.outbox.push(emcy::message(id, error_code, error_register, manufacturer));
+        let frame =
+            self.emergencies.raise(error_code, manufacturer, &mut self.values, self.settings);
+        if let Some(frame) = frame {
+            self.outbox.push(frame);
+        }
     }
 
     /// What happened, the oldest first.
@@ -278,6 +297,7 @@ impl<const LEN: usize> Node<LEN> {
         match Command::parse(frame.data(), self.node_id) {
             Some(Command::Enter(state)) => {
                 self.enter(now, state);
+                self.send_waiting_emergencies(now);
                 self.transmit_due(now);
             }
             Some(Command::ResetNode) => self.leave(Event::ResetNode),
@@ -361,6 +381,15 @@ impl<const LEN: usize> Node<LEN> {
         Frame::single(id, State::Initialising.heartbeat_byte())
     }
 
+    /// Messages that were held back go out in the states that have emergency messages.
+    fn send_waiting_emergencies(&mut self, now: Instant) {
+        while self.state.serves_sdo()
+            && let Some(frame) = self.emergencies.take_due(now)
+        {
+            self.outbox.push(frame);
+        }
+    }
+
     fn transmit_due(&mut self, now: Instant) {
         for tpdo in &mut self.tpdos {
             if tpdo.due_at().is_some_and(|due_at| due_at <= now)
@@ -390,6 +419,7 @@ impl<const LEN: usize> Node<LEN> {
                     }
                 }
             }
+            0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
             index @ 0x1800..=0x19FF => self.reread_tpdo(now, index),
             _ => {}
         }

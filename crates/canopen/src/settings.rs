@@ -13,6 +13,8 @@ pub struct Settings {
     pub type_255: Trigger,
     /// Which lengths an expedited download may indicate.
     pub expedited: Expedited,
+    /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
+    pub additional_information: AdditionalInformation,
     /// The abort codes that products choose differently.
     pub abort_codes: AbortCodes,
 }
@@ -35,6 +37,15 @@ pub enum Expedited {
     AnyLength,
     /// 1, 2 or 4 bytes; three are an unknown command.
     OneTwoOrFour,
+}
+
+/// What an entry of the pre-defined error field holds in bits 31 to 16, besides the error code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdditionalInformation {
+    /// The first two of the maker's bytes.
+    FirstTwoBytes,
+    /// The last of the maker's bytes, in bits 23 to 16.
+    LastByte,
 }
 
 /// The abort codes that products choose differently.
@@ -64,6 +75,7 @@ impl Settings {
         type_254: Trigger::ChangeOrTimer,
         type_255: Trigger::ChangeOrTimer,
         expedited: Expedited::AnyLength,
+        additional_information: AdditionalInformation::FirstTwoBytes,
         abort_codes: AbortCodes {
             number_length: AbortCode::LENGTH_MISMATCH,
             text_length: AbortCode::LENGTH_MISMATCH,

@@ -11,8 +11,6 @@ pub(crate) struct Emergency {
 }
 
 impl Emergency {
-    /// Nothing is wrong any more.
-    pub(crate) const NONE: Self = Self::new(0x0000, 0);
     pub(crate) const BUS_WARNING: Self = Self::new(0x8100, 0);
     pub(crate) const CAN_OVERRUN: Self = Self::new(0x8110, 0);
     pub(crate) const BUS_PASSIVE: Self = Self::new(0x8120, 0);

@@ -2,8 +2,8 @@ use canopen::{Accepted, Frame, Node, NodeId, State};
 use heapless::Deque;
 use object_dictionary::{Access, Owner, Slot};
 use profiles::nm17x::{
-    BIT_RATE, CORRECTION, CORRECTION_ENABLED, ERROR_REGISTER, ERRORS, NODE_ID,
-    PDO_SETPOINT_CORRECTION_SENT, POSITION_VALUE, SCALING, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
+    BIT_RATE, CORRECTION, CORRECTION_ENABLED, ERRORS, NODE_ID, PDO_SETPOINT_CORRECTION_SENT,
+    POSITION_VALUE, SCALING, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
 };
 use profiles::{OBJECTS_MAX, Product};
 use shared_proto::{Encoded, Hello, NodeState, PROTOCOL, ProcessData, Urgency};
@@ -17,6 +17,8 @@ use crate::record::Record;
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
+/// The pre-defined error field outlives a restart of the communication (NM17x EMCY-04).
+const ERROR_FIELD: u16 = 0x1003;
 /// Events that may wait for [`Interface::poll_event`]: one input makes at most a record, new filters
 /// and a restart.
 const EVENTS_MAX: usize = 3;
@@ -312,11 +314,12 @@ impl Interface {
         let fresh = Node::new(self.product.dictionary, node_id, &SETTINGS);
         let before = core::mem::replace(&mut self.node, fresh);
         for (slot, row) in self.product.dictionary.slots() {
-            let kept = row.id.index >= 0x2000 || row.id == SERIAL_NUMBER.id();
-            if kept || row.id == ERROR_REGISTER.id() || row.id == STATUS_REGISTER.id() {
+            let kept = row.id.index >= 0x2000 || row.id.index == ERROR_FIELD;
+            if kept || row.id == SERIAL_NUMBER.id() || row.id == STATUS_REGISTER.id() {
                 self.node.set_value(Instant::ZERO, slot, before.values().raw(slot));
             }
         }
+        self.node.set_error_register(Instant::ZERO, self.conditions.error_register());
     }
 
     fn take_process_data(&mut self, now: Instant, process: &ProcessData) {
@@ -366,18 +369,8 @@ impl Interface {
     }
 
     fn set_condition(&mut self, now: Instant, condition: Condition, present: bool) {
-        let before = self.conditions.error_register();
         self.conditions.set(condition, present);
-        let after = self.conditions.error_register();
-        if before == after {
-            return;
-        }
-        if let Ok(slot) = self.product.dictionary.find(ERROR_REGISTER.id()) {
-            self.node.set_value(now, slot, after.into());
-        }
-        if after == 0 {
-            self.send(Emergency::NONE);
-        }
+        self.node.set_error_register(now, self.conditions.error_register());
     }
 
     fn send(&mut self, emergency: Emergency) {

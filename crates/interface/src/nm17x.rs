@@ -1,14 +1,16 @@
 //! The ways of the NM17x on the bus.
 
-use canopen::{AbortCode, AbortCodes, Expedited, Settings, Trigger};
+use canopen::{AbortCode, AbortCodes, AdditionalInformation, Expedited, Settings, Trigger};
 use units::Duration;
 
-/// What NM17x devices do differently from CiA 301.
+/// What NM17x devices do differently from CiA 301 (A-10, A-12, A-19, A-20,
+///
 pub(crate) static SETTINGS: Settings = Settings {
     inhibit_unit: Duration::from_millis(1),
     type_254: Trigger::Timer,
     type_255: Trigger::Change,
     expedited: Expedited::OneTwoOrFour,
+    additional_information: AdditionalInformation::LastByte,
     abort_codes: AbortCodes {
         number_length: AbortCode::UNSUPPORTED_ACCESS,
         text_length: AbortCode::VALUE_RANGE,

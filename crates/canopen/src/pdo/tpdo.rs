@@ -178,7 +178,7 @@ impl Parameters {
             Some(values.raw(slot))
         };
         Some(Self {
-            id: CobId::from_raw(value(1)?).pdo(),
+            id: CobId::from_raw(value(1)?).valid(),
             transmission: Transmission::new(value(2)?, settings),
             inhibit_time: settings.inhibit_unit * u64::from(value(3).unwrap_or(0)),
             event_time: Duration::from_millis(u64::from(value(5).unwrap_or(0))),

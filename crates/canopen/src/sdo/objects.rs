@@ -3,6 +3,7 @@ use object_dictionary::{Access, DataType, Default, Missing, ObjectId, Row, Slot,
 use super::abort::AbortCode;
 use crate::application::{Application, Written};
 use crate::cob_id::CobId;
+use crate::emcy;
 use crate::pdo;
 use crate::settings::Settings;
 
@@ -42,6 +43,9 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         match entry.row.access {
             Access::ReadOnly | Access::ReadWrite => {}
             Access::WriteOnly => return Err(AbortCode::WRITE_ONLY),
+        }
+        if self.is_empty_error(entry.row.id) {
+            return Err(AbortCode::NO_DATA);
         }
         self.application.read(entry.slot, entry.row).map_err(AbortCode::of_read)?;
         Ok(entry)
@@ -120,6 +124,17 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         Ok(())
     }
 
+    /// Whether it is an entry of the pre-defined error field that holds no error.
+    fn is_empty_error(&self, object: ObjectId) -> bool {
+        let count = ObjectId { index: emcy::HISTORY, sub: 0 };
+        object.index == emcy::HISTORY
+            && self
+                .values
+                .dictionary()
+                .find(count)
+                .is_ok_and(|count| u32::from(object.sub) > self.values.raw(count))
+    }
+
     fn find(&self, object: ObjectId) -> Result<Entry, AbortCode> {
         let dictionary = self.values.dictionary();
         let slot = dictionary.find(object).map_err(|missing| match missing {
@@ -156,7 +171,9 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 /// Whether the stack can act on this value of one of its own objects.
 fn is_possible(object: ObjectId, raw: u32) -> bool {
     match (object.index, object.sub) {
+        (emcy::HISTORY, 0) => raw == 0,
         (0x1005, 0) => CobId::from_raw(raw).suits_sync_consumer(),
+        (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
         (0x1800..=0x19FF, 1) => CobId::from_raw(raw).suits_pdo(),
         (0x1800..=0x19FF, 2) => pdo::Transmission::is_known(raw),
         _ => true,

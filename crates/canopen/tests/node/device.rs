@@ -2,8 +2,8 @@
 //! standard library can include it too.
 
 use canopen::{
-    AbortCode, AbortCodes, Application, Expedited, Node, NodeId, ReadError, Settings, Trigger,
-    WriteError, Written,
+    AbortCode, AbortCodes, AdditionalInformation, Application, Expedited, Node, NodeId, ReadError,
+    Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
 use units::Duration;
@@ -17,6 +17,7 @@ pub(crate) static SETTINGS: Settings = Settings {
     type_254: Trigger::Timer,
     type_255: Trigger::Change,
     expedited: Expedited::OneTwoOrFour,
+    additional_information: AdditionalInformation::LastByte,
     abort_codes: AbortCodes {
         number_length: AbortCode::UNSUPPORTED_ACCESS,
         text_length: AbortCode::VALUE_RANGE,
@@ -53,12 +54,21 @@ const fn transmission_type(index: u16) -> Object<u8> {
 }
 
 const DEVICE_TYPE: Object<u32> = Object::new(0x1000, 0, "Device type").default(0x0002_0196);
-const LAST_ERROR: Object<u32> = Object::new(0x1003, 1, "Last error");
+const ERROR_REGISTER: Object<u8> = Object::new(0x1001, 0, "Error register");
+const ERROR_COUNT: Object<u8> = rw(0x1003, 0, "Errors").within(0, 3);
+const ERROR_1: Object<u32> = Object::new(0x1003, 1, "Error");
+const ERROR_2: Object<u32> = Object::new(0x1003, 2, "Error");
+const ERROR_3: Object<u32> = Object::new(0x1003, 3, "Error");
 const SYNC_COB_ID: Object<u32> = rw(0x1005, 0, "COB-ID SYNC").default(0x80);
 const NAME: Object<[u8; 14]> = Object::new(0x1008, 0, "Name").default_text("NM172 Standard");
 const HARDWARE: Object<[u8; 2]> = Object::new(0x1009, 0, "Hardware").default_text("/A");
 const SOFTWARE: Object<[u8; 4]> = Object::new(0x100A, 0, "Software").default_text("1.05");
 const STORE: Object<u32> = rw(0x1010, 1, "Store").default(1);
+const EMCY_COB_ID: Object<u32> = rw(0x1014, 0, "COB-ID EMCY")
+    .within(0x81, 0xFF)
+    .or_within(&[(0x8000_0081, 0x8000_00FF)])
+    .default_node_id_plus(0x80);
+const EMCY_INHIBIT: Object<u16> = rw(0x1015, 0, "Inhibit time EMCY");
 const HEARTBEAT: Object<u16> = rw(0x1017, 0, "Heartbeat time");
 const TPDO1_COB_ID: Object<u32> = cob_id(0x1800).default_node_id_plus(0xC000_0180);
 const TPDO1_TYPE: Object<u8> = transmission_type(0x1800);
@@ -85,6 +95,7 @@ const CUTOFF: Object<i16> = rw(0x2042, 3, "Switch-off point").within(-9_999, 9_9
 const CLAMP: Object<u8> = rw(0x2048, 0, "Clamp").within(0, 1);
 const STATUS: Object<u16> = live(0x204E, 1, "Status");
 const ERRORS: Object<u16> = live(0x204E, 2, "Errors");
+const READING: Object<u32> = Object::new(0x2110, 0, "Sensor reading");
 const NODE: Object<u8> = rw(0x2101, 0, "Node-ID").within(1, 127).default(127);
 const SENT_CORRECTION: Object<i16> = live(0x2501, 4, "Correction").read_write();
 const PRESET: Object<i32> = rw(0x6003, 0, "Preset").within(-99_999, 999_999);
@@ -92,13 +103,14 @@ const POSITION: Object<i32> = live(0x6004, 0, "Position");
 
 object_dictionary::product! {
     pub(crate)
-    DEVICE_TYPE, LAST_ERROR, SYNC_COB_ID, NAME, HARDWARE, SOFTWARE, STORE, HEARTBEAT,
+    DEVICE_TYPE, ERROR_REGISTER, ERROR_COUNT, ERROR_1, ERROR_2, ERROR_3, SYNC_COB_ID, NAME,
+    HARDWARE, SOFTWARE, STORE, EMCY_COB_ID, EMCY_INHIBIT, HEARTBEAT,
     TPDO1_COB_ID, TPDO1_TYPE, TPDO1_INHIBIT, TPDO1_TIMER,
     TPDO2_COB_ID, TPDO2_TYPE, TPDO2_INHIBIT, TPDO2_TIMER,
     TPDO1_MAPPING, TPDO1_MAP_1, TPDO1_MAP_2, TPDO1_MAP_3,
     TPDO2_MAPPING, TPDO2_MAP_1, TPDO2_MAP_2, TPDO2_MAP_3,
     NMT_STARTUP, ROTATE_DISPLAY, WINDOW, MESSAGE, SHOW, CUTOFF, CLAMP, STATUS, ERRORS, NODE,
-    SENT_CORRECTION, PRESET, POSITION,
+    READING,    SENT_CORRECTION, PRESET, POSITION,
 }
 
 /// The node with the settings of NM17x.
@@ -123,7 +135,7 @@ const SAVE: u32 = 0x6576_6173;
 
 impl Application for Device {
     fn read(&mut self, _slot: Slot, row: &Row) -> Result<(), ReadError> {
-        if row.id == LAST_ERROR.id() { Err(ReadError::NoData) } else { Ok(()) }
+        if row.id == READING.id() { Err(ReadError::NoData) } else { Ok(()) }
     }
 
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {

@@ -8,6 +8,7 @@
 )]
 
 mod device;
+mod emergency;
 mod nmt;
 mod pdo;
 mod properties;

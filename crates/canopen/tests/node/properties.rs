@@ -16,6 +16,8 @@ const ERROR_CONTROL: u16 = 0x77F;
 enum Step {
     Receive(Frame),
     Set { position: u16, raw: u32 },
+    Emergency { code: u16 },
+    Errors { register: u8 },
     Advance { us: u64 },
 }
 
@@ -87,6 +89,8 @@ fn step() -> impl Strategy<Value = Step> {
         2 => Just(Step::Receive(frame(SYNC, &[]))),
         4 => (prop::sample::select(mapped), any::<u32>())
             .prop_map(|(position, raw)| Step::Set { position, raw }),
+        1 => any::<u16>().prop_map(|code| Step::Emergency { code }),
+        1 => prop_oneof![Just(0), any::<u8>()].prop_map(|register| Step::Errors { register }),
         4 => (0..200_000_u64).prop_map(|us| Step::Advance { us }),
     ]
 }
@@ -119,6 +123,16 @@ impl Watch {
             Step::Set { position, raw } => {
                 let slot = Slot::at(&DICTIONARY, *position).unwrap();
                 self.node.set_value(self.now, slot, *raw);
+                self.advance(Duration::ZERO);
+            }
+            Step::Emergency { code } => {
+                self.node.send_emergency(*code, [0; 5]);
+                self.drain();
+                self.advance(Duration::ZERO);
+            }
+            Step::Errors { register } => {
+                self.node.set_error_register(self.now, *register);
+                self.drain();
                 self.advance(Duration::ZERO);
             }
             Step::Advance { us } => self.advance(Duration::from_micros(*us)),
@@ -169,13 +183,14 @@ impl Watch {
         assert_eq!(self.state, self.node.state());
         let mut answers = Vec::new();
         while let Some(frame) = self.node.take_transmit() {
-            assert_eq!(self.node.accepts().find(|accepted| accepted.id == frame.id()), None);
             match frame.id().get() {
                 ERROR_CONTROL => self.check_error_control(&frame),
                 SDO_RESPONSE => {
                     assert_eq!(frame.dlc(), 8);
+                    self.check_not_heard(&frame);
                     answers.push(frame.data().to_vec());
                 }
+                id if self.is_emergency(id) => self.check_emergency(&frame),
                 id => self.check_pdo(id, &frame),
             }
         }
@@ -194,7 +209,22 @@ impl Watch {
         assert_eq!(frame.data(), [expected]);
     }
 
+    fn is_emergency(&self, id: u16) -> bool {
+        let cob_id = self.value(ObjectId { index: 0x1014, sub: 0 });
+        cob_id & 1 << 31 == 0 && cob_id & 0x7FF == u32::from(id)
+    }
+
+    fn check_emergency(&self, frame: &Frame) {
+        assert!(matches!(self.state, State::PreOperational | State::Operational), "{frame:02X?}");
+        assert_eq!(frame.dlc(), 8);
+    }
+
+    fn check_not_heard(&self, frame: &Frame) {
+        assert_eq!(self.node.accepts().find(|accepted| accepted.id == frame.id()), None);
+    }
+
     fn check_pdo(&self, id: u16, frame: &Frame) {
+        self.check_not_heard(frame);
         assert_eq!(self.state, State::Operational, "{frame:02X?}");
         assert_eq!(frame.dlc(), 8);
         let own = [0x1800, 0x1801].iter().any(|&index| {
@@ -206,6 +236,11 @@ impl Watch {
 
     fn value(&self, object: ObjectId) -> u32 {
         self.node.values().raw(DICTIONARY.find(object).unwrap())
+    }
+
+    fn is_empty_error(&self, object: ObjectId) -> bool {
+        let count = self.value(ObjectId { index: 0x1003, sub: 0 });
+        object.index == 0x1003 && u32::from(object.sub) > count
     }
 
     /// What a plain reading of the requirements answers to a request about a number. `None` for
@@ -239,7 +274,9 @@ impl Watch {
         if command == 0x40 {
             return match row.access {
                 Access::WriteOnly => abort(0x0601_0001),
-                Access::ReadOnly | Access::ReadWrite if row.id.index == 0x1003 => {
+                Access::ReadOnly | Access::ReadWrite
+                    if row.id.index == 0x2110 || self.is_empty_error(object) =>
+                {
                     abort(0x0800_0024)
                 }
                 Access::ReadOnly | Access::ReadWrite => {

@@ -1,7 +1,7 @@
 //! Runs a node through a script and writes down everything it does.
 //!
 //! A script has one step a line: `MS boot`, `MS < ID BYTES`, `MS remote ID LEN`,
-//! `MS set INDEX:SUB VALUE …`, `MS end`. Between the steps the clock jumps from deadline to
+//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS end`. Between the steps the clock jumps from deadline to
 //! deadline. The transcript has `<` for what the node receives, `>` for what it sends and `*` for
 //! its events; a frame is written as ID, length and bytes.
 
@@ -67,6 +67,12 @@ impl Run {
                     let value: i64 = value.parse().expect("a number");
                     self.node.set_value(self.now, slot(object), value as u32);
                 }
+            }
+            "errors" => self.node.set_error_register(self.now, hex(rest)),
+            "emergency" => {
+                let (code, sub_code) = rest.split_once(' ').expect("code and sub-code");
+                let code = u16::from_str_radix(code, 16).expect("hexadecimal");
+                self.node.send_emergency(code, [0xA1, 0xA2, 0, 0, hex(sub_code)]);
             }
             "end" => {}
             _ => panic!("unknown step: {step}"),
