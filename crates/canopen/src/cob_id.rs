@@ -32,6 +32,12 @@ pub(crate) enum Service {
 }
 
 impl Service {
+    /// Whether a node has this object with the identifier `id`.
+    pub(crate) fn has(self, id: CanId) -> bool {
+        let [first, last] = [NodeId(1), NodeId(127)].map(|node_id| self.id(node_id));
+        (first..=last).contains(&id)
+    }
+
     /// The identifier of this object at a node.
     pub(crate) const fn id(self, node_id: NodeId) -> CanId {
         let function_code: u32 = match self {

@@ -18,8 +18,11 @@ const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
 pub(crate) const HISTORY: u16 = 0x1003;
 
-/// The code that says that an error is over.
-const ERROR_RESET: u16 = 0x0000;
+/// The code that says that all errors are over.
+pub(crate) const ERROR_RESET: u16 = 0x0000;
+
+/// A monitored heartbeat is missing.
+pub(crate) const HEARTBEAT_LOST: u16 = 0x8130;
 
 /// The emergency producer (CiA 301, section 7.2.7; objects 0x1003, 0x1014 and 0x1015).
 ///

@@ -1,3 +1,6 @@
+mod consumer;
+
+pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers, Heard, is_doubled};
 use units::{Duration, Instant};
 
 /// The heartbeat producer (CiA 301, section 7.2.8.3.2.2; object 0x1017).

@@ -13,7 +13,7 @@
 //! | CiA 301 | here |
 //! |---|---|
 //! | NMT slave, boot-up, self-start (0x1F80) | all commands; a reset is an event for the core above |
-//! | error control | heartbeat producer |
+//! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
 //! | SDO server | one; expedited and segmented, both ways |
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
 //! | SYNC | consumer |
@@ -24,7 +24,7 @@
 //!
 //! **Work.** One frame costs one look into the dictionary (a binary search) and at most one pass
 //! over the transmit PDOs. There is no tick: between the instants of [`Node::poll_timeout`] nothing
-//! is due. Frames for others cost three comparisons, and none at all where the controller filters by
+//! is due. Frames for others cost four comparisons, and none at all where the controller filters by
 //! [`Node::accepts`].
 //!
 //! **Memory.** All bounds are constants: [`TRANSMIT_MAX`] frames wait for mailboxes, and what does

@@ -6,7 +6,7 @@ use crate::application::Application;
 use crate::cob_id::{self, NodeId, Service};
 use crate::emcy;
 use crate::frame::{CanId, Frame};
-use crate::heartbeat;
+use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::pdo::{TPDO_MAX, Tpdo};
@@ -15,15 +15,27 @@ use crate::settings::Settings;
 use crate::sync;
 
 /// Events that may wait for [`Node::poll_event`].
-const EVENTS_MAX: usize = 4;
-/// The most that one call brings about: boot-up and self-start.
-const EVENTS_PER_CALL: usize = 2;
+const EVENTS_MAX: usize = 12;
+/// The most that one call brings about: all producers lost, and what follows from that.
+const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
 const SYNC_COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
 const NMT_STARTUP: ObjectId = ObjectId { index: 0x1F80, sub: 0 };
+
+/// Error register: any error, and one of the communication.
+const COMMUNICATION_ERROR: u8 = 1 << 4 | 1;
+/// Error register: an error of the maker's own.
+const MANUFACTURER_ERROR: u32 = 1 << 7;
+
+/// What 0x1029 distinguishes.
+#[derive(Clone, Copy, Debug)]
+enum ErrorClass {
+    Communication,
+    Manufacturer,
+}
 
 /// The bit of 0x1F80 that lets a node become Operational without a master.
 const SELF_STARTING: u32 = 1 << 3;
@@ -42,6 +54,9 @@ pub struct Node<const LEN: usize> {
     state: State,
     values: Values<LEN>,
     heartbeat: heartbeat::Producer,
+    monitored: heartbeat::Consumers,
+    /// The error register as far as the device sets it.
+    device_errors: u8,
     sync: Option<sync::Consumer>,
     emergencies: emcy::Producer,
     sdo: sdo::Server,
@@ -67,6 +82,16 @@ pub enum Event {
     /// A master asks for a restart of the communication: build a new node from the stored values
     /// and boot it. This one is silent and deaf from here on.
     ResetCommunication,
+    /// A monitored node is missing. What 0x1029 says has happened.
+    HeartbeatLost {
+        /// The node.
+        producer: NodeId,
+    },
+    /// A node that was missing is there again.
+    HeartbeatRecovered {
+        /// The node.
+        producer: NodeId,
+    },
     /// [`Node::accepts`] changed.
     FiltersChanged,
     /// Frames were dropped because too many waited for a mailbox. Comes once, until none waits any
@@ -115,6 +140,8 @@ impl<const LEN: usize> Node<LEN> {
             settings,
             state: State::Initialising,
             heartbeat,
+            monitored: heartbeat::Consumers::new(&values),
+            device_errors: 0,
             sync: value(SYNC_COB_ID).map(sync::Consumer::new),
             emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
@@ -158,6 +185,8 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_sdo(now, frame, application);
         } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
             self.handle_sync(now);
+        } else if Service::ErrorControl.has(frame.id()) {
+            self.handle_heartbeat(now, frame);
         }
     }
 
@@ -169,6 +198,7 @@ impl<const LEN: usize> Node<LEN> {
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
+        self.give_up_producers(now);
         self.send_waiting_emergencies(now);
         self.transmit_due(now);
     }
@@ -178,8 +208,9 @@ impl<const LEN: usize> Node<LEN> {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let tpdos = self.tpdos.iter().filter_map(Tpdo::due_at);
         let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
-        let due = [self.sdo.poll_timeout(), self.heartbeat.due_at(), emergencies];
-        due.into_iter().flatten().chain(tpdos).min()
+        let heartbeats = [self.heartbeat.due_at(), self.monitored.due_at()];
+        let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(heartbeats);
+        due.flatten().chain(tpdos).min()
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -207,27 +238,19 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Sets the error register, 0x1001, to what the device says. When no error is left, an error
-    /// reset message goes out.
+    /// Sets the errors of the device; with those of the stack they are the error register, 0x1001.
+    /// When none is left, an error reset message goes out. When bit 7 comes in Operational, what
+    /// 0x1029:02 says happens.
     pub fn set_error_register(&mut self, now: Instant, errors: u8) {
-        let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
-        let before = self.values.raw(slot);
-        self.set_value(now, slot, u32::from(errors));
-        if before != 0 && errors == 0 {
-            self.send_emergency(0x0000, [0; 5]);
-        }
+        self.device_errors = errors;
+        self.update_error_register(now);
     }
 
     /// Records an error in the pre-defined error field and sends an emergency message with the
     /// present error register. Nothing in a state that has no emergency messages: Initialising and
     /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
-        if !self.state.serves_sdo() {
-            return;
-        }
-        let frame =
-            self.emergencies.raise(error_code, manufacturer, &mut self.values, self.settings);
-        if let Some(frame) = frame {
+        if let Some(frame) = self.raise(error_code, manufacturer) {
             self.outbox.push(frame);
         }
     }
@@ -251,7 +274,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.
-    pub fn accepts(&self) -> impl Iterator<Item = Accepted> + use<LEN> {
+    pub fn accepts(&self) -> impl Iterator<Item = Accepted> {
         let data = |id| Accepted { id, remote: false };
         [
             Some(cob_id::NMT),
@@ -260,6 +283,7 @@ impl<const LEN: usize> Node<LEN> {
         ]
         .into_iter()
         .flatten()
+        .chain(self.monitored.ids())
         .map(data)
     }
 
@@ -333,6 +357,75 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    fn handle_heartbeat(&mut self, now: Instant, frame: &Frame) {
+        if frame.dlc() != 1 {
+            return;
+        }
+        match self.monitored.handle(now, frame.id()) {
+            Heard::Recovered(producer) => {
+                self.report(Event::HeartbeatRecovered { producer });
+                self.update_error_register(now);
+            }
+            Heard::Nothing => {}
+        }
+    }
+
+    /// Each producer that is missing is an event, a message and a reason to act. The message is
+    /// older than the state that follows, and is sent even if that has none.
+    fn give_up_producers(&mut self, now: Instant) {
+        while let Some(producer) = self.monitored.take_due(now) {
+            self.report(Event::HeartbeatLost { producer });
+            self.update_error_register(now);
+            let message = self.raise(emcy::HEARTBEAT_LOST, [0; 5]);
+            self.react(now, ErrorClass::Communication);
+            if let Some(message) = message {
+                self.outbox.push(message);
+            }
+        }
+    }
+
+    fn update_error_register(&mut self, now: Instant) {
+        let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
+        let own = if self.monitored.is_any_lost() { COMMUNICATION_ERROR } else { 0 };
+        let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
+        self.set_value(now, slot, after);
+        if before != 0 && after == 0 {
+            self.send_emergency(emcy::ERROR_RESET, [0; 5]);
+        }
+        if !before & after & MANUFACTURER_ERROR != 0 {
+            self.react(now, ErrorClass::Manufacturer);
+        }
+    }
+
+    /// Does what 0x1029 says (CiA 301, section 7.5.2.32), in Operational only. Without an entry a
+    /// communication error ends Operational, and other errors change nothing.
+    fn react(&mut self, now: Instant, class: ErrorClass) {
+        const TO_PRE_OPERATIONAL: u32 = 0;
+        const NO_CHANGE: u32 = 1;
+        const TO_STOPPED: u32 = 2;
+        if self.state != State::Operational {
+            return;
+        }
+        let (sub, absent) = match class {
+            ErrorClass::Communication => (1, TO_PRE_OPERATIONAL),
+            ErrorClass::Manufacturer => (2, NO_CHANGE),
+        };
+        let behaviour = self.values.dictionary().find(ObjectId { index: 0x1029, sub });
+        match behaviour.map_or(absent, |slot| self.values.raw(slot)) {
+            TO_PRE_OPERATIONAL => self.enter(now, State::PreOperational),
+            TO_STOPPED => self.enter(now, State::Stopped),
+            _ => {}
+        }
+    }
+
+    /// Takes an error, in the states that have emergency messages.
+    fn raise(&mut self, error_code: u16, manufacturer: [u8; 5]) -> Option<Frame> {
+        if !self.state.serves_sdo() {
+            return None;
+        }
+        self.emergencies.raise(error_code, manufacturer, &mut self.values, self.settings)
+    }
+
     fn enter(&mut self, now: Instant, to: State) {
         let from = core::mem::replace(&mut self.state, to);
         if from == to {
@@ -361,6 +454,7 @@ impl<const LEN: usize> Node<LEN> {
     fn leave(&mut self, reason: Event) {
         self.state = State::Initialising;
         self.heartbeat.stop();
+        self.monitored.stop();
         self.sdo.stop();
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         self.outbox.clear();
@@ -418,6 +512,10 @@ impl<const LEN: usize> Node<LEN> {
                         self.heartbeat.restart(now);
                     }
                 }
+            }
+            heartbeat::CONSUMER_TIME => {
+                self.filters_changed |= self.monitored.reread(row.id.sub, &self.values);
+                self.update_error_register(now);
             }
             0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
             index @ 0x1800..=0x19FF => self.reread_tpdo(now, index),

@@ -156,6 +156,7 @@ impl Interface {
             self.settle_link(now);
         }
         self.node.handle_timeout(now);
+        self.settle_node(now);
     }
 
     /// The controller's standing on the bus changed.
@@ -180,6 +181,7 @@ impl Interface {
         if !impaired {
             self.set_condition(now, Condition::Bus, false);
         }
+        self.settle_node(now);
     }
 
     /// Frames were lost because they came faster than they were taken.
@@ -276,6 +278,8 @@ impl Interface {
                     self.boot_up_by = Some(now);
                     self.boot_up(now);
                 }
+                canopen::Event::HeartbeatLost { .. } => self.link.stop(Urgency::HeartbeatLost),
+                canopen::Event::HeartbeatRecovered { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 canopen::Event::TransmitOverflow { .. } => self.send(Emergency::CAN_OVERRUN),
             }

@@ -22,6 +22,8 @@ impl AbortCode {
     pub const READ_ONLY: Self = Self(0x0601_0002);
     /// There is no such object.
     pub const NO_OBJECT: Self = Self(0x0602_0000);
+    /// The value does not go with those of other objects.
+    pub const INCOMPATIBLE: Self = Self(0x0604_0043);
     /// A fault of the hardware.
     pub const HARDWARE_ERROR: Self = Self(0x0606_0000);
     /// The length is not that of the object.

@@ -4,6 +4,7 @@ use super::abort::AbortCode;
 use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
+use crate::heartbeat;
 use crate::pdo;
 use crate::settings::Settings;
 
@@ -32,7 +33,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         Self { values, application, settings, changed: None }
     }
 
-    /// The number that was written, if it became another one.
+    /// The number that was written, if that has an effect.
     pub(crate) const fn changed(&self) -> Option<Slot> {
         self.changed
     }
@@ -115,7 +116,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         let raw = self.permitted(row, bytes)?;
         let written = self.application.write(slot, row, raw);
         match written.map_err(|error| AbortCode::of_write(error, codes))? {
-            Written::Taken if self.values.raw(slot) != raw => {
+            Written::Taken if self.values.raw(slot) != raw || acts_again(row.id) => {
                 self.values.set_raw(slot, raw);
                 self.changed = Some(slot);
             }
@@ -164,8 +165,19 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         }
         let [a, b, c, d, ..] = number.to_le_bytes();
         let raw = u32::from_le_bytes([a, b, c, d]);
-        if is_possible(row.id, raw) { Ok(raw) } else { Err(codes.value_range) }
+        if !is_possible(row.id, raw) {
+            return Err(codes.value_range);
+        }
+        if heartbeat::is_doubled(row.id, raw, self.values) {
+            return Err(AbortCode::INCOMPATIBLE);
+        }
+        Ok(raw)
     }
+}
+
+/// Whether writing the value that is there already has an effect too.
+const fn acts_again(object: ObjectId) -> bool {
+    object.index == heartbeat::CONSUMER_TIME
 }
 
 /// Whether the stack can act on this value of one of its own objects.
@@ -174,6 +186,7 @@ fn is_possible(object: ObjectId, raw: u32) -> bool {
         (emcy::HISTORY, 0) => raw == 0,
         (0x1005, 0) => CobId::from_raw(raw).suits_sync_consumer(),
         (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
+        (0x1029, 1) => raw <= 2,
         (0x1800..=0x19FF, 1) => CobId::from_raw(raw).suits_pdo(),
         (0x1800..=0x19FF, 2) => pdo::Transmission::is_known(raw),
         _ => true,

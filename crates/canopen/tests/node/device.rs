@@ -69,6 +69,10 @@ const EMCY_COB_ID: Object<u32> = rw(0x1014, 0, "COB-ID EMCY")
     .or_within(&[(0x8000_0081, 0x8000_00FF)])
     .default_node_id_plus(0x80);
 const EMCY_INHIBIT: Object<u16> = rw(0x1015, 0, "Inhibit time EMCY");
+const MONITORED_1: Object<u32> = rw(0x1016, 1, "Consumer heartbeat time");
+const MONITORED_2: Object<u32> = rw(0x1016, 2, "Consumer heartbeat time");
+const ON_COMMUNICATION_ERROR: Object<u8> = rw(0x1029, 1, "Error behaviour");
+const ON_MANUFACTURER_ERROR: Object<u8> = rw(0x1029, 2, "Error behaviour").within(0, 2).default(1);
 const HEARTBEAT: Object<u16> = rw(0x1017, 0, "Heartbeat time");
 const TPDO1_COB_ID: Object<u32> = cob_id(0x1800).default_node_id_plus(0xC000_0180);
 const TPDO1_TYPE: Object<u8> = transmission_type(0x1800);
@@ -104,7 +108,8 @@ const POSITION: Object<i32> = live(0x6004, 0, "Position");
 object_dictionary::product! {
     pub(crate)
     DEVICE_TYPE, ERROR_REGISTER, ERROR_COUNT, ERROR_1, ERROR_2, ERROR_3, SYNC_COB_ID, NAME,
-    HARDWARE, SOFTWARE, STORE, EMCY_COB_ID, EMCY_INHIBIT, HEARTBEAT,
+    HARDWARE, SOFTWARE, STORE, EMCY_COB_ID, EMCY_INHIBIT, MONITORED_1, MONITORED_2, HEARTBEAT,
+    ON_COMMUNICATION_ERROR, ON_MANUFACTURER_ERROR,
     TPDO1_COB_ID, TPDO1_TYPE, TPDO1_INHIBIT, TPDO1_TIMER,
     TPDO2_COB_ID, TPDO2_TYPE, TPDO2_INHIBIT, TPDO2_TIMER,
     TPDO1_MAPPING, TPDO1_MAP_1, TPDO1_MAP_2, TPDO1_MAP_3,

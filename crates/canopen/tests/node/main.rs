@@ -9,6 +9,7 @@
 
 mod device;
 mod emergency;
+mod monitor;
 mod nmt;
 mod pdo;
 mod properties;

@@ -26,7 +26,8 @@ fn frame(id: u16, data: &[u8]) -> Frame {
 }
 
 fn any_frame() -> impl Strategy<Value = Frame> {
-    let id = prop_oneof![Just(NMT), Just(SYNC), Just(SDO_REQUEST), 0..=0x7FF_u16];
+    let heartbeat = 0x700..=0x704_u16;
+    let id = prop_oneof![Just(NMT), Just(SYNC), Just(SDO_REQUEST), heartbeat, 0..=0x7FF_u16];
     let data = prop_oneof![
         8 => vec(any::<u8>(), 0..=8).prop_map(Some),
         1 => Just(None),
@@ -66,7 +67,9 @@ fn sdo_request() -> impl Strategy<Value = Frame> {
         8 => known,
         1 => any::<(u16, u8)>().prop_map(|(index, sub)| ObjectId { index, sub }),
     ];
-    let value = prop_oneof![0..=300_u32, any::<u32>(), Just(0x4000_01FF), Just(0xFFFF_FFFF)];
+    let monitored = (0..=4_u32, 0..=100_u32).prop_map(|(node, ms)| node << 16 | ms);
+    let value =
+        prop_oneof![0..=300_u32, monitored, any::<u32>(), Just(0x4000_01FF), Just(0xFFFF_FFFF)];
     let len = prop_oneof![9 => Just(8_usize), 1 => 0..8_usize];
     (command, object, value, len).prop_map(|(command, object, value, len)| {
         let [low, high] = object.index.to_le_bytes();
@@ -169,6 +172,7 @@ impl Watch {
 
     /// Checks frames and events; returns the SDO answers.
     fn drain(&mut self) -> Vec<Vec<u8>> {
+        let mut lost = false;
         while let Some(event) = self.node.poll_event() {
             match event {
                 Event::StateChanged { from, to } => {
@@ -176,11 +180,19 @@ impl Watch {
                     self.state = to;
                 }
                 Event::ResetNode | Event::ResetCommunication => self.state = State::Initialising,
+                Event::HeartbeatLost { producer } => {
+                    assert!(self.monitors(producer.get()), "{producer:?}");
+                    lost = true;
+                }
+                Event::HeartbeatRecovered { producer } => {
+                    assert!(self.monitors(producer.get()), "{producer:?}");
+                }
                 Event::FiltersChanged => {}
                 Event::TransmitOverflow { lost } => panic!("{lost} frames lost"),
             }
         }
         assert_eq!(self.state, self.node.state());
+        let serves = matches!(self.state, State::PreOperational | State::Operational);
         let mut answers = Vec::new();
         while let Some(frame) = self.node.take_transmit() {
             match frame.id().get() {
@@ -190,7 +202,10 @@ impl Watch {
                     self.check_not_heard(&frame);
                     answers.push(frame.data().to_vec());
                 }
-                id if self.is_emergency(id) => self.check_emergency(&frame),
+                id if self.is_emergency(id) => {
+                    assert!(serves || lost, "{frame:02X?}");
+                    assert_eq!(frame.dlc(), 8);
+                }
                 id => self.check_pdo(id, &frame),
             }
         }
@@ -214,9 +229,9 @@ impl Watch {
         cob_id & 1 << 31 == 0 && cob_id & 0x7FF == u32::from(id)
     }
 
-    fn check_emergency(&self, frame: &Frame) {
-        assert!(matches!(self.state, State::PreOperational | State::Operational), "{frame:02X?}");
-        assert_eq!(frame.dlc(), 8);
+    fn monitors(&self, producer: u8) -> bool {
+        let entries = [1, 2].map(|sub| self.value(ObjectId { index: 0x1016, sub }));
+        entries.iter().any(|entry| entry >> 16 & 0xFF == u32::from(producer) && entry & 0xFFFF != 0)
     }
 
     fn check_not_heard(&self, frame: &Frame) {

@@ -93,6 +93,8 @@ impl Run {
                 Event::ResetNode
                 | Event::ResetCommunication
                 | Event::FiltersChanged
+                | Event::HeartbeatLost { .. }
+                | Event::HeartbeatRecovered { .. }
                 | Event::TransmitOverflow { .. } => format!("{event:?}"),
             };
             self.line('*', &event);

@@ -1,0 +1,167 @@
+use object_dictionary::{ObjectId, Values};
+use units::{Duration, Instant};
+
+use crate::cob_id::{NodeId, Service};
+use crate::frame::CanId;
+
+/// Producers that a device can monitor. Further entries of 0x1016 are not acted on.
+pub(crate) const CONSUMERS_MAX: usize = 8;
+
+/// The object with one entry for each producer.
+pub(crate) const CONSUMER_TIME: u16 = 0x1016;
+
+/// The heartbeat consumers (CiA 301, section 7.2.8.2.2.1; object 0x1016).
+///
+/// Monitoring of a producer starts with its first message; its boot-up message is one. A producer
+/// that was lost is not monitored until it is heard again. Writing an entry starts it anew.
+#[derive(Debug)]
+pub(crate) struct Consumers {
+    entries: [Option<Consumer>; CONSUMERS_MAX],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Consumer {
+    producer: NodeId,
+    time: Duration,
+    health: Health,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Health {
+    Unknown,
+    Alive { until: Instant },
+    Lost,
+}
+
+/// What a heartbeat changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Heard {
+    Nothing,
+    Recovered(NodeId),
+}
+
+impl Consumers {
+    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Self {
+        let mut consumers = Self { entries: [None; CONSUMERS_MAX] };
+        for (entry, sub) in consumers.entries.iter_mut().zip(1..) {
+            *entry = consumer(values, sub);
+        }
+        consumers
+    }
+
+    /// Takes an entry over again. Whether another producer is listened to.
+    pub(crate) fn reread<const LEN: usize>(&mut self, sub: u8, values: &Values<LEN>) -> bool {
+        let place = usize::from(sub).checked_sub(1);
+        let Some(entry) = place.and_then(|place| self.entries.get_mut(place)) else { return false };
+        let before = core::mem::replace(entry, consumer(values, sub));
+        let producer = |entry: Option<Consumer>| entry.map(|consumer| consumer.producer);
+        producer(before) != producer(*entry)
+    }
+
+    /// The identifiers of the producers.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = CanId> {
+        self.entries.iter().flatten().map(|entry| Service::ErrorControl.id(entry.producer))
+    }
+
+    /// Takes a message with an identifier of the error control.
+    pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Heard {
+        let mut heard = Heard::Nothing;
+        for consumer in self.entries.iter_mut().flatten() {
+            if Service::ErrorControl.id(consumer.producer) == id {
+                let before = consumer.health;
+                consumer.health = Health::Alive { until: now + consumer.time };
+                if before == Health::Lost {
+                    heard = Heard::Recovered(consumer.producer);
+                }
+            }
+        }
+        heard
+    }
+
+    /// When the next producer counts as lost.
+    pub(crate) fn due_at(&self) -> Option<Instant> {
+        self.entries.iter().flatten().filter_map(Consumer::due_at).min()
+    }
+
+    /// A producer that is lost from now on.
+    pub(crate) fn take_due(&mut self, now: Instant) -> Option<NodeId> {
+        let consumer = self
+            .entries
+            .iter_mut()
+            .flatten()
+            .find(|consumer| consumer.due_at().is_some_and(|due_at| due_at <= now))?;
+        consumer.health = Health::Lost;
+        Some(consumer.producer)
+    }
+
+    /// Whether a producer is lost.
+    pub(crate) fn is_any_lost(&self) -> bool {
+        self.entries.iter().flatten().any(|consumer| consumer.health == Health::Lost)
+    }
+
+    /// Monitors nothing until the next messages.
+    pub(crate) fn stop(&mut self) {
+        for consumer in self.entries.iter_mut().flatten() {
+            consumer.health = Health::Unknown;
+        }
+    }
+}
+
+impl Consumer {
+    fn due_at(&self) -> Option<Instant> {
+        match self.health {
+            Health::Alive { until } => Some(until),
+            Health::Unknown | Health::Lost => None,
+        }
+    }
+}
+
+/// Whether an entry with this value would monitor a producer that another entry monitors already.
+pub(crate) fn is_doubled<const LEN: usize>(
+    object: ObjectId,
+    raw: u32,
+    values: &Values<LEN>,
+) -> bool {
+    let Some((producer, _)) = monitored(raw) else { return false };
+    let others = (1..=u8::MAX).filter(|&sub| sub != object.sub);
+    object.index == CONSUMER_TIME
+        && others
+            .map_while(|sub| values.dictionary().find(ObjectId { index: CONSUMER_TIME, sub }).ok())
+            .any(|slot| monitored(values.raw(slot)).is_some_and(|(other, _)| other == producer))
+}
+
+fn consumer<const LEN: usize>(values: &Values<LEN>, sub: u8) -> Option<Consumer> {
+    let slot = values.dictionary().find(ObjectId { index: CONSUMER_TIME, sub }).ok()?;
+    let (producer, time) = monitored(values.raw(slot))?;
+    Some(Consumer { producer, time, health: Health::Unknown })
+}
+
+/// Node-ID and time of an entry. `None` for an entry that is not used.
+fn monitored(raw: u32) -> Option<(NodeId, Duration)> {
+    let [low, high, node_id, _] = raw.to_le_bytes();
+    let time = Duration::from_millis(u64::from(u16::from_le_bytes([low, high])));
+    let producer = NodeId::new(node_id)?;
+    (time > Duration::ZERO).then_some((producer, time))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// NM17x HB-02.
+    #[test]
+    fn an_entry_without_node_id_or_time_is_not_used() {
+        let used = |raw| monitored(raw).map(|(producer, time)| (producer.get(), time.as_millis()));
+        for (raw, expected) in [
+            (0x0001_0064, Some((1, 100))),
+            (0x007F_FFFF, Some((127, 65_535))),
+            (0xFF05_0001, Some((5, 1))),
+            (0x0000_0064, None),
+            (0x0080_0064, None),
+            (0x0001_0000, None),
+            (0, None),
+        ] {
+            assert_eq!(used(raw), expected, "{raw:#010x}");
+        }
+    }
+}
