@@ -18,6 +18,7 @@
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
 //! | SYNC | consumer |
 //! | EMCY | identifier (0x1014), inhibit time, error field (0x1003), error reset with the error register |
+//! | LSS (CiA 305) | all services, where [`Settings::lss`] asks for it |
 //!
 //! **Concurrency.** A node is one value with `&mut` methods and no interior sharing: run it where
 //! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
@@ -40,6 +41,7 @@ mod cob_id;
 mod emcy;
 mod frame;
 mod heartbeat;
+pub mod lss;
 mod nmt;
 mod node;
 mod outbox;

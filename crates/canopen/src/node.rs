@@ -7,6 +7,7 @@ use crate::cob_id::{self, NodeId, Service};
 use crate::emcy;
 use crate::frame::{CanId, Frame};
 use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
+use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::pdo::{TPDO_MAX, Tpdo};
@@ -23,6 +24,7 @@ const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 const SYNC_COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
+const IDENTITY: u16 = 0x1018;
 const NMT_STARTUP: ObjectId = ObjectId { index: 0x1F80, sub: 0 };
 
 /// Error register: any error, and one of the communication.
@@ -60,6 +62,7 @@ pub struct Node<const LEN: usize> {
     sync: Option<sync::Consumer>,
     emergencies: emcy::Producer,
     sdo: sdo::Server,
+    lss: Option<lss::Slave>,
     tpdos: Vec<Tpdo, TPDO_MAX>,
     outbox: Outbox,
     overflow: Overflow,
@@ -92,6 +95,9 @@ pub enum Event {
         /// The node.
         producer: NodeId,
     },
+    /// Layer setting services ask for something. After [`lss::Event::ActivateBitTiming`] the node
+    /// is silent and deaf.
+    Lss(lss::Event),
     /// [`Node::accepts`] changed.
     FiltersChanged,
     /// Frames were dropped because too many waited for a mailbox. Comes once, until none waits any
@@ -145,6 +151,7 @@ impl<const LEN: usize> Node<LEN> {
             sync: value(SYNC_COB_ID).map(sync::Consumer::new),
             emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
+            lss: None,
             tpdos,
             outbox: Outbox::default(),
             overflow: Overflow::Reportable { lost_before: 0 },
@@ -160,6 +167,10 @@ impl<const LEN: usize> Node<LEN> {
         if self.state != State::Initialising {
             return;
         }
+        self.lss = self
+            .settings
+            .lss
+            .map(|settings| lss::Slave::new(settings, self.identity(), Some(self.node_id)));
         self.outbox.push_boot_up(self.boot_up());
         self.heartbeat.start(now);
         self.enter(now, State::PreOperational);
@@ -187,6 +198,9 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_sync(now);
         } else if Service::ErrorControl.has(frame.id()) {
             self.handle_heartbeat(now, frame);
+        } else if let Some(slave) = &mut self.lss {
+            let reaction = slave.handle_frame(frame);
+            self.follow(reaction);
         }
     }
 
@@ -280,11 +294,36 @@ impl<const LEN: usize> Node<LEN> {
             Some(cob_id::NMT),
             self.sync.map(sync::Consumer::id),
             Some(Service::SdoRequest.id(self.node_id)),
+            self.settings.lss.map(|_| lss::REQUEST),
         ]
         .into_iter()
         .flatten()
         .chain(self.monitored.ids())
         .map(data)
+    }
+
+    /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
+    /// offer.
+    pub fn take_offered_node_id(&mut self) {
+        if let Some(slave) = self.lss_slave() {
+            let reaction = slave.take_offer();
+            self.follow(reaction);
+        }
+    }
+
+    /// What became of [`lss::Event::Store`] or [`lss::Event::StoreNodeId`].
+    pub fn handle_lss_stored(&mut self, outcome: Result<(), lss::StoreError>) {
+        if let Some(slave) = self.lss_slave() {
+            let reaction = slave.handle_stored(outcome);
+            self.follow(reaction);
+        }
+    }
+
+    /// The node-ID to build the next node with after [`Event::ResetCommunication`] or
+    /// [`lss::Event::ActivateBitTiming`]; `None` when a master took it away.
+    #[must_use]
+    pub fn pending_node_id(&self) -> Option<NodeId> {
+        self.lss.as_ref().map_or(Some(self.node_id), lss::Slave::pending_node_id)
     }
 
     /// The network management state.
@@ -344,6 +383,33 @@ impl<const LEN: usize> Node<LEN> {
         if let Some(slot) = changed {
             self.note_change(now, slot);
             self.handle_timeout(now);
+        }
+    }
+
+    /// None for a node that is silent and deaf.
+    fn lss_slave(&mut self) -> Option<&mut lss::Slave> {
+        let is_up = self.state != State::Initialising;
+        self.lss.as_mut().filter(|_| is_up)
+    }
+
+    fn follow(&mut self, reaction: lss::Reaction) {
+        if let Some(response) = reaction.response {
+            self.outbox.push(response);
+        }
+        match reaction.event {
+            Some(event @ lss::Event::ActivateBitTiming { .. }) => self.leave(Event::Lss(event)),
+            Some(event) => self.report(Event::Lss(event)),
+            None => {}
+        }
+    }
+
+    fn identity(&self) -> lss::Identity {
+        let part = |sub| self.value(ObjectId { index: IDENTITY, sub });
+        lss::Identity {
+            vendor_id: part(1),
+            product_code: part(2),
+            revision: part(3),
+            serial: part(4),
         }
     }
 
@@ -438,7 +504,7 @@ impl<const LEN: usize> Node<LEN> {
                 self.stop_pdos();
                 self.sdo.stop();
                 let error_control = Service::ErrorControl.id(self.node_id);
-                self.outbox.retain(|frame| frame.id() == error_control);
+                self.outbox.retain(|frame| [error_control, lss::RESPONSE].contains(&frame.id()));
             }
         }
         self.report(Event::StateChanged { from, to });

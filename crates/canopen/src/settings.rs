@@ -1,5 +1,6 @@
 use units::Duration;
 
+use crate::lss;
 use crate::sdo::AbortCode;
 
 /// What products do differently, as data.
@@ -15,6 +16,8 @@ pub struct Settings {
     pub expedited: Expedited,
     /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
     pub additional_information: AdditionalInformation,
+    /// How layer setting services are served; `None` without.
+    pub lss: Option<&'static lss::Settings>,
     /// The abort codes that products choose differently.
     pub abort_codes: AbortCodes,
 }
@@ -76,6 +79,7 @@ impl Settings {
         type_255: Trigger::ChangeOrTimer,
         expedited: Expedited::AnyLength,
         additional_information: AdditionalInformation::FirstTwoBytes,
+        lss: None,
         abort_codes: AbortCodes {
             number_length: AbortCode::LENGTH_MISMATCH,
             text_length: AbortCode::LENGTH_MISMATCH,

@@ -281,6 +281,8 @@ impl Interface {
                 canopen::Event::HeartbeatLost { .. } => self.link.stop(Urgency::HeartbeatLost),
                 canopen::Event::HeartbeatRecovered { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
+                // The settings of the NM17x ask for no layer setting services.
+                canopen::Event::Lss(_) => {}
                 canopen::Event::TransmitOverflow { .. } => self.send(Emergency::CAN_OVERRUN),
             }
         }

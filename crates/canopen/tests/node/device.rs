@@ -18,6 +18,7 @@ pub(crate) static SETTINGS: Settings = Settings {
     type_255: Trigger::Change,
     expedited: Expedited::OneTwoOrFour,
     additional_information: AdditionalInformation::LastByte,
+    lss: None,
     abort_codes: AbortCodes {
         number_length: AbortCode::UNSUPPORTED_ACCESS,
         text_length: AbortCode::VALUE_RANGE,

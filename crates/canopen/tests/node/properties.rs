@@ -188,6 +188,7 @@ impl Watch {
                     assert!(self.monitors(producer.get()), "{producer:?}");
                 }
                 Event::FiltersChanged => {}
+                Event::Lss(event) => panic!("{event:?} without the service"),
                 Event::TransmitOverflow { lost } => panic!("{lost} frames lost"),
             }
         }

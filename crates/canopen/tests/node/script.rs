@@ -95,6 +95,7 @@ impl Run {
                 | Event::FiltersChanged
                 | Event::HeartbeatLost { .. }
                 | Event::HeartbeatRecovered { .. }
+                | Event::Lss(_)
                 | Event::TransmitOverflow { .. } => format!("{event:?}"),
             };
             self.line('*', &event);
