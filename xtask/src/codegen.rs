@@ -1,26 +1,14 @@
 //! Files that are made from the dictionaries, committed, and compared by a test.
 
-use std::fmt::Write as _;
+mod eds;
+mod handbook;
+
 use std::fs;
 use std::path::PathBuf;
 
-use object_dictionary::{Access, DataType, Default, Limits, PdoMapping, Row, Storage, Text, Unit};
-use profiles::{Product, nm172};
+use profiles::SHEETS;
 
 use crate::run::{self, Failure};
-
-/// Every product with the names of its objects.
-const PRODUCTS: &[(&Product, &[Text])] = &[(&nm172::PRODUCT, nm172::TEXTS)];
-
-/// Objects of CiA 301 itself: their 32-bit numbers are bits, not amounts.
-const COMMUNICATION: std::ops::RangeInclusive<u16> = 0x1000..=0x1FFF;
-
-/// How numbers of an object are printed.
-#[derive(Clone, Copy)]
-enum Radix {
-    Decimal,
-    Hexadecimal,
-}
 
 /// Writes what has changed.
 pub(crate) fn write() -> Result<(), Failure> {
@@ -40,126 +28,14 @@ pub(crate) fn write() -> Result<(), Failure> {
 
 /// Path and contents of each generated file.
 fn files() -> impl Iterator<Item = (PathBuf, String)> {
-    PRODUCTS.iter().map(|(product, texts)| {
-        let path = run::root().join("docs/od").join(product.slug).with_extension("md");
-        (path, handbook(product, texts))
+    SHEETS.iter().flat_map(|sheet| {
+        let page = run::root().join("docs/od").join(sheet.file.to_lowercase());
+        let eds = run::root().join("eds").join(sheet.file);
+        [
+            (page.with_extension("md"), handbook::page(sheet)),
+            (eds.with_extension("eds"), eds::file(sheet)),
+        ]
     })
-}
-
-/// The objects of a product as a table.
-fn handbook(product: &Product, texts: &[Text]) -> String {
-    let mut page = format!(
-        "# Objects of the {}\n\nMade by `cargo xtask codegen` from `crates/profiles`.\n\n\
-         | index | sub | name | type | access | default | values | stored | in PDOs |\n\
-         |---|---:|---|---|---|---|---|---|---|\n",
-        product.slug.to_uppercase()
-    );
-    for (row, text) in product.dictionary.rows().iter().zip(texts) {
-        let _ = writeln!(
-            page,
-            "| 0x{:04X} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            row.id.index,
-            row.id.sub,
-            text.name,
-            type_name(row.data_type),
-            access(row.access),
-            default(row),
-            values(row, text.unit),
-            stored(row.storage),
-            mapping(row.pdo),
-        );
-    }
-    page
-}
-
-fn type_name(data_type: DataType) -> String {
-    match data_type {
-        DataType::Unsigned8 => "UNSIGNED8".into(),
-        DataType::Unsigned16 => "UNSIGNED16".into(),
-        DataType::Unsigned32 => "UNSIGNED32".into(),
-        DataType::Integer8 => "INTEGER8".into(),
-        DataType::Integer16 => "INTEGER16".into(),
-        DataType::Integer32 => "INTEGER32".into(),
-        DataType::VisibleString(len) => format!("VISIBLE_STRING, {len}"),
-    }
-}
-
-const fn access(access: Access) -> &'static str {
-    match access {
-        Access::ReadOnly => "ro",
-        Access::WriteOnly => "wo",
-        Access::ReadWrite => "rw",
-    }
-}
-
-fn default(row: &Row) -> String {
-    match (row.default, row.access) {
-        (_, Access::WriteOnly) => String::new(),
-        (Default::Text(text), _) => format!("`{text}`"),
-        (Default::NodeIdPlus(base), _) => format!("0x{base:X} + node-ID"),
-        (Default::Number(raw), _) => number(row.data_type.number(raw), radix(row)),
-    }
-}
-
-/// What may be written, with the unit; nothing where all of the type may.
-fn values(row: &Row, unit: Unit) -> String {
-    let Limits { min, max, also } = row.limits;
-    let (lowest, highest) = row.data_type.span();
-    let mut spans = Vec::new();
-    if row.access != Access::ReadOnly && (min, max) != (lowest, highest) {
-        spans.push(span(min, max, radix(row)));
-    }
-    spans.extend(also.iter().map(|&(first, last)| span(first, last, radix(row))));
-    [spans.join("; "), unit_name(unit).to_owned()].join(" ").trim().to_owned()
-}
-
-fn span(first: i64, last: i64, radix: Radix) -> String {
-    let [first, last] = [first, last].map(|end| number(end, radix));
-    if first == last { first } else { format!("{first} to {last}") }
-}
-
-fn radix(row: &Row) -> Radix {
-    if COMMUNICATION.contains(&row.id.index) && row.data_type == DataType::Unsigned32 {
-        Radix::Hexadecimal
-    } else {
-        Radix::Decimal
-    }
-}
-
-fn number(value: i64, radix: Radix) -> String {
-    match radix {
-        Radix::Decimal => value.to_string(),
-        Radix::Hexadecimal => format!("0x{value:X}"),
-    }
-}
-
-const fn unit_name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::None => "",
-        Unit::HundredthMm => "(1/100 mm)",
-        Unit::Millisecond => "(ms)",
-        Unit::TenthSecond => "(0.1 s)",
-        Unit::SensorStep => "(steps)",
-        Unit::ScalingFactor => "(1/10,000,000 of 1/100 mm per step)",
-        Unit::Bit => "(bits)",
-    }
-}
-
-const fn stored(storage: Storage) -> &'static str {
-    match storage {
-        Storage::Volatile => "",
-        Storage::OnCommand => "on command",
-        Storage::AtOnce => "at once",
-    }
-}
-
-const fn mapping(pdo: PdoMapping) -> &'static str {
-    match pdo {
-        PdoMapping::No => "",
-        PdoMapping::Transmit => "transmit",
-        PdoMapping::Receive => "receive",
-        PdoMapping::Both => "both",
-    }
 }
 
 #[cfg(test)]

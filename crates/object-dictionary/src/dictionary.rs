@@ -1,5 +1,5 @@
 use crate::object::{Object, Value};
-use crate::row::{Access, Default, ObjectId, Row};
+use crate::row::{Access, Default, ObjectId, Row, Storage, WriteState};
 
 /// The rows of a product in ascending order.
 #[derive(Debug)]
@@ -36,7 +36,8 @@ impl Slot {
 
 impl Dictionary {
     /// A dictionary of these rows. Panics, at compile time, when they are out of order, doubled, or
-    /// have a default that may not be written.
+    /// have a stored or constant default outside
+    /// their limits.
     #[must_use]
     pub const fn new(rows: &'static [Row]) -> Self {
         assert!(rows.len() <= u16::MAX as usize, "too many rows");
@@ -108,7 +109,7 @@ impl Dictionary {
         let mut left = self.rows;
         while let [row, rest @ ..] = left {
             hash = mix(hash, row.id.key());
-            hash = mix(hash, (row.data_type.len() as u32) << 16 | row.access as u32);
+            hash = mix(hash, (row.data_type.len() as u32) << 16 | access_word(row));
             hash = mix(hash, (row.storage as u32) << 8 | row.owner as u32);
             hash = match row.default {
                 Default::Number(value) => mix(hash, value),
@@ -122,9 +123,20 @@ impl Dictionary {
     }
 }
 
+const fn access_word(row: &Row) -> u32 {
+    (row.write_state as u32) << 8 | row.access as u32
+}
+
+/// A value that may be written but is not stored answers with a state of the device, which may
+/// differ from what commands it: a drive at rest reads 0 and takes a direction.
 const fn check(row: &Row) {
-    if matches!(row.access, Access::WriteOnly) {
+    let answers_with_state =
+        matches!((row.access, row.storage), (Access::ReadWrite, Storage::Volatile));
+    if matches!(row.access, Access::WriteOnly) || answers_with_state {
         return;
+    }
+    if matches!(row.access, Access::ReadOnly) {
+        assert!(matches!(row.write_state, WriteState::Any), "written, but read only");
     }
     if let Default::Number(value) = row.default {
         let number = row.data_type.number(value);
@@ -187,8 +199,16 @@ mod tests {
     }
 
     #[test]
+    fn a_command_may_answer_with_what_can_not_be_written() {
+        static JOG: Row = Object::<u8>::new(0x204D, 3, "Jog").read_write().within(11, 13).row();
+        assert_eq!((JOG.initial(1), JOG.permits(0), JOG.permits(11)), (0, false, true));
+        assert_eq!(Dictionary::new(core::slice::from_ref(&JOG)).rows().len(), 1);
+    }
+
+    #[test]
     fn the_fingerprint_follows_every_field() {
-        static ROWS: [Row; 8] = [
+        static ROWS: [Row; 9] = [
+            FIRST_ONE.written_in_pre_operational().row(),
             FIRST_ONE.row(),
             Object::<u32>::new(0x2001, 1, "").read_write().within(0, 1).row(),
             Object::<u16>::new(0x2000, 1, "").read_write().within(0, 1).row(),

@@ -26,8 +26,10 @@ mod row;
 mod values;
 
 pub use dictionary::{Dictionary, Missing, Slot};
-pub use object::{Number, Object, Text, Unit, Value};
-pub use row::{Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage};
+pub use object::{Listing, Number, Object, Text, Unit, Value};
+pub use row::{
+    Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage, WriteState,
+};
 pub use values::Values;
 
 /// Lists the objects of a product in ascending order. Makes `LEN`, the `DICTIONARY` with its

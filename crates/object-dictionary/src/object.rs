@@ -1,6 +1,8 @@
 use core::marker::PhantomData;
 
-use crate::row::{Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage};
+use crate::row::{
+    Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage, WriteState,
+};
 
 /// A Rust type that an entry can hold.
 pub trait Value {
@@ -70,12 +72,25 @@ pub enum Unit {
     Millisecond,
     /// 0.1 s.
     TenthSecond,
+    /// s.
+    Second,
+    /// 0.1 h.
+    TenthHour,
     /// Unscaled steps of the sensor.
     SensorStep,
     /// 1/10,000,000 of 1/100 mm per sensor step.
     ScalingFactor,
     /// Bits.
     Bit,
+}
+
+/// Which files about a product list an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listing {
+    /// Handbook and EDS file.
+    Everywhere,
+    /// The handbook alone.
+    Handbook,
 }
 
 /// What only people read.
@@ -85,6 +100,8 @@ pub struct Text {
     pub name: &'static str,
     /// Unit of the number.
     pub unit: Unit,
+    /// Where the entry is listed.
+    pub listing: Listing,
 }
 
 /// An entry of a dictionary and the typed key to its value.
@@ -106,13 +123,14 @@ impl<T: Value> Object<T> {
                 id: ObjectId { index, sub },
                 data_type: T::DATA_TYPE,
                 access: Access::ReadOnly,
+                write_state: WriteState::Any,
                 storage: Storage::Volatile,
                 owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
                 pdo: PdoMapping::No,
                 default: Default::Number(0),
                 limits: Limits { min, max, also: &[] },
             },
-            text: Text { name, unit: Unit::None },
+            text: Text { name, unit: Unit::None, listing: Listing::Everywhere },
             value: PhantomData,
         }
     }
@@ -135,6 +153,20 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn write_only(mut self) -> Self {
         self.row.access = Access::WriteOnly;
+        self
+    }
+
+    /// A master may write it in Pre-operational alone.
+    #[must_use]
+    pub const fn written_in_pre_operational(mut self) -> Self {
+        self.row.write_state = WriteState::PreOperational;
+        self
+    }
+
+    /// Only a receive PDO writes it; a write with SDO is refused in every state.
+    #[must_use]
+    pub const fn written_by_pdo_only(mut self) -> Self {
+        self.row.write_state = WriteState::PdoOnly;
         self
     }
 
@@ -216,6 +248,13 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn unit(mut self, unit: Unit) -> Self {
         self.text.unit = unit;
+        self
+    }
+
+    /// The EDS file does not have it.
+    #[must_use]
+    pub const fn not_in_eds(mut self) -> Self {
+        self.text.listing = Listing::Handbook;
         self
     }
 

@@ -37,6 +37,17 @@ pub enum Access {
     ReadWrite,
 }
 
+/// The NMT states in which a master may write an entry that [`Access`] lets it write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteState {
+    /// In Pre-operational and in Operational.
+    Any,
+    /// In Pre-operational alone.
+    PreOperational,
+    /// In none with SDO: the value comes with a receive PDO.
+    PdoOnly,
+}
+
 /// Where a value survives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
@@ -101,6 +112,8 @@ pub struct Row {
     pub data_type: DataType,
     /// What a master may do with it.
     pub access: Access,
+    /// When a master may write it.
+    pub write_state: WriteState,
     /// Where it survives.
     pub storage: Storage,
     /// Who holds it.

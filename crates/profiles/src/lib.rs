@@ -2,8 +2,16 @@
 //! from one product to the next and is data is here.
 #![no_std]
 
+pub mod ap04;
+pub mod cia301;
+pub mod encoder;
+pub mod nm170;
 pub mod nm172;
+pub mod nm174;
 pub mod nm17x;
+mod sheets;
+
+pub use sheets::{Lss, SHEETS, Sheet};
 
 use object_dictionary::Dictionary;
 
@@ -27,4 +35,8 @@ pub struct Product {
     pub fingerprint: u32,
 }
 
+const _: () = assert!(nm170::LEN <= OBJECTS_MAX);
 const _: () = assert!(nm172::LEN <= OBJECTS_MAX);
+const _: () = assert!(nm174::LEN <= OBJECTS_MAX);
+const _: () = assert!(ap04::LEN <= OBJECTS_MAX);
+const _: () = assert!(encoder::gxmm::LEN <= OBJECTS_MAX);

@@ -30,6 +30,9 @@ const CODE: u16 = 0x71;
 pub const DEVICE_TYPE_MSP: Object<u32> =
     Object::new(0x2006, 2, "MSP device type").within(0x8281, 0x8281).default(0x8281);
 
+/// The first setpoint alone.
+pub const SETPOINT: Object<u8> = Object::highest_sub_index(0x2020, "Setpoint (target position)", 1);
+
 product! {
     pub
     DEVICE_TYPE, ERROR_REGISTER, STATUS_REGISTER, SYNC_COB_ID,

@@ -1,7 +1,12 @@
 //! The objects that NM170, NM172 and NM174 have in common (manual, chapter 4.4).
 
-use object_dictionary::PdoMapping::Transmit;
+use object_dictionary::PdoMapping::{Receive, Transmit};
 use object_dictionary::{Object, Unit};
+
+use crate::cia301::{self, highest, mapped, number};
+pub use crate::cia301::{
+    ERROR_1, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_6, ERROR_7, ERROR_8, ERROR_COUNT,
+};
 
 /// Firmware version in hundredths, of both controllers.
 pub const FIRMWARE: u16 = 105;
@@ -16,14 +21,6 @@ const ACYCLIC: &[(i64, i64)] = &[(0xFE, 0xFF)];
 /// Largest shown length, −99999 to 999999.
 const LENGTH_MIN: i64 = -99_999;
 const LENGTH_MAX: i64 = 999_999;
-
-const fn number<T: object_dictionary::Value>(index: u16, sub: u8, name: &'static str) -> Object<T> {
-    Object::new(index, sub, name)
-}
-
-const fn highest(index: u16, name: &'static str, sub: u8) -> Object<u8> {
-    Object::highest_sub_index(index, name, sub)
-}
 
 /// A communication parameter that 0x1010 saves.
 const fn communication<T: object_dictionary::Value>(
@@ -43,10 +40,6 @@ const fn parameter<T: object_dictionary::Value>(
     max: i64,
 ) -> Object<T> {
     number(index, sub, name).read_write().stored_at_once().within(min, max)
-}
-
-const fn mapped(index: u16, sub: u8, name: &'static str, entry: i64) -> Object<u32> {
-    number(index, sub, name).within(entry, entry).default(entry)
 }
 
 // Communication (CiA 301)
@@ -69,6 +62,30 @@ pub const HARDWARE_VERSION: Object<[u8; 2]> =
 /// Version of the firmware.
 pub const SOFTWARE_VERSION: Object<[u8; 4]> =
     Object::new(0x100A, 0, "Manufacturer software version").default_text("1.05");
+/// Signatures that save what 0x1000 to 0x1FFF keep.
+pub const STORE: Object<u8> = highest(0x1010, "Store parameters - highest sub-index", 2);
+/// Bit rate and node-ID are not included.
+pub const STORE_ALL: Object<u32> = cia301::store(1, "Store parameters - Save all parameters");
+/// The same as [`STORE_ALL`].
+pub const STORE_COMMUNICATION: Object<u32> =
+    cia301::store(2, "Store parameters - Save communication parameters");
+/// Signatures that bring back the state at delivery.
+pub const RESTORE: Object<u8> = highest(0x1011, "Restore parameters - highest sub-index", 2);
+/// In force after a restart; bit rate and node-ID included.
+pub const RESTORE_ALL: Object<u32> =
+    cia301::restore(1, "Restore parameters - Restore all parameters");
+/// The same as [`RESTORE_ALL`].
+pub const RESTORE_COMMUNICATION: Object<u32> =
+    cia301::restore(2, "Restore parameters - Restore communication parameters");
+/// CAN-ID of emergencies; follows the node-ID until it is written.
+pub const EMERGENCY_COB_ID: Object<u32> =
+    communication(0x1014, 0, "COB-ID EMCY").within(0x81, 0xFF).default_node_id_plus(0x80);
+/// Producers that are watched.
+pub const CONSUMER_HEARTBEAT: Object<u8> =
+    highest(0x1016, "Consumer heartbeat time - highest sub-index", 1);
+/// Node-ID in bits 23 to 16, time in ms in bits 15 to 0; unused when one of them says nothing.
+pub const CONSUMER_HEARTBEAT_TIME: Object<u32> =
+    communication(0x1016, 1, "Consumer heartbeat time");
 /// Period of the heartbeat; 0 is off.
 pub const PRODUCER_HEARTBEAT_TIME: Object<u16> =
     communication(0x1017, 0, "Producer heartbeat time").unit(Unit::Millisecond);
@@ -83,6 +100,68 @@ pub const REVISION_NUMBER: Object<u32> =
     number(0x1018, 3, "Identity - Revision number").default(0x0001_0001);
 /// Differs from device to device; never 0 on a device.
 pub const SERIAL_NUMBER: Object<u32> = number(0x1018, 4, "Identity - Serial number");
+
+/// What follows from an error.
+pub const ERROR_BEHAVIOUR: Object<u8> = highest(0x1029, "Error behaviour - highest sub-index", 2);
+/// Heartbeat lost: 0 to Pre-operational, 1 no change, 2 to Stopped.
+pub const ERROR_BEHAVIOUR_COMMUNICATION: Object<u8> =
+    communication(0x1029, 1, "Error behaviour - Communication error").within(0, 2);
+/// Coded as [`ERROR_BEHAVIOUR_COMMUNICATION`].
+pub const ERROR_BEHAVIOUR_MANUFACTURER: Object<u8> =
+    communication(0x1029, 2, "Error behaviour - Manufacturer specific error")
+        .within(0, 2)
+        .default(1);
+
+/// RxPDO1: the broadcast.
+pub const RPDO1: Object<u8> =
+    highest(0x1400, "RxPDO1 communication parameter - highest sub-index", 2);
+/// The same on all devices; does not follow the node-ID.
+pub const RPDO1_COB_ID: Object<u32> = communication(0x1400, 1, "RxPDO1 COB-ID")
+    .within(0x181, 0x57F)
+    .or_within(PDO_COB_IDS)
+    .default(0x4000_0201);
+/// Executed at once, whatever it says.
+pub const RPDO1_TRANSMISSION_TYPE: Object<u8> =
+    communication(0x1400, 2, "RxPDO1 transmission type").within(0xFF, 0xFF).default(0xFF);
+
+/// RxPDO2: setpoint, correction and control register.
+pub const RPDO2: Object<u8> =
+    highest(0x1401, "RxPDO2 communication parameter - highest sub-index", 2);
+/// Follows the node-ID until it is written.
+pub const RPDO2_COB_ID: Object<u32> = communication(0x1401, 1, "RxPDO2 COB-ID")
+    .within(0x181, 0x57F)
+    .or_within(PDO_COB_IDS)
+    .default_node_id_plus(0x4000_0300);
+/// Executed at once, whatever it says.
+pub const RPDO2_TRANSMISSION_TYPE: Object<u8> =
+    communication(0x1401, 2, "RxPDO2 transmission type").within(0xFF, 0xFF).default(0xFF);
+
+/// What RxPDO1 carries.
+pub const RPDO1_MAPPING: Object<u8> = highest(0x1600, "RxPDO1 mapping - highest sub-index", 4);
+/// Byte 1.
+pub const RPDO1_MAPPED_CONTROL: Object<u32> =
+    mapped(0x1600, 1, "RxPDO1 mapping - Broadcast control", 0x2500_0108);
+/// Bytes 2 and 3.
+pub const RPDO1_MAPPED_OBJECT: Object<u32> =
+    mapped(0x1600, 2, "RxPDO1 mapping - Broadcast object", 0x2500_0210);
+/// Byte 4.
+pub const RPDO1_MAPPED_SUB_INDEX: Object<u32> =
+    mapped(0x1600, 3, "RxPDO1 mapping - Broadcast sub-index", 0x2500_0308);
+/// Bytes 5 to 8.
+pub const RPDO1_MAPPED_DATA: Object<u32> =
+    mapped(0x1600, 4, "RxPDO1 mapping - Broadcast data", 0x2500_0420);
+
+/// What RxPDO2 carries.
+pub const RPDO2_MAPPING: Object<u8> = highest(0x1601, "RxPDO2 mapping - highest sub-index", 3);
+/// Bytes 1 to 4.
+pub const RPDO2_MAPPED_SETPOINT: Object<u32> =
+    mapped(0x1601, 1, "RxPDO2 mapping - Setpoint", 0x2501_0120);
+/// Bytes 5 and 6.
+pub const RPDO2_MAPPED_CORRECTION: Object<u32> =
+    mapped(0x1601, 2, "RxPDO2 mapping - Actual value correction", 0x2501_0210);
+/// Bytes 7 and 8.
+pub const RPDO2_MAPPED_CONTROL: Object<u32> =
+    mapped(0x1601, 3, "RxPDO2 mapping - Control", 0x2501_0310);
 
 /// TxPDO1: position, status, errors.
 pub const TPDO1: Object<u8> = highest(0x1800, "TxPDO1 communication parameter", 5);
@@ -148,6 +227,10 @@ pub const TPDO2_MAPPED_CORRECTION: Object<u32> =
 pub const TPDO2_MAPPED_STATUS: Object<u32> =
     mapped(0x1A01, 3, "TxPDO2 mapping - Status", 0x204E_0110);
 
+/// 0 waits for the master, 8 goes to Operational by itself after a restart.
+pub const NMT_STARTUP: Object<u32> =
+    communication(0x1F80, 0, "NMT startup").within(0, 0).or_within(&[(8, 8)]);
+
 // Settings of the application
 
 /// General settings.
@@ -201,6 +284,12 @@ pub const MSP_DATA: Object<u8> = highest(0x2006, "MSP controller device data", 2
 pub const MSP_FIRMWARE_VERSION: Object<u32> =
     number(0x2006, 1, "MSP firmware version").default(FIRMWARE as i64);
 
+/// Text for the lower line, exactly 12 characters.
+pub const DISPLAY_MESSAGE: Object<[u8; 12]> =
+    Object::new(0x2007, 0, "Display message").read_write().default_text("1234567890AB");
+/// 1: the lower line shows the node-ID.
+pub const SHOW_NODE_ID: Object<u32> =
+    number(0x2008, 0, "Show node-ID on display").write_only().within(0, 1);
 /// Tool offset, in force while 0x2000:06 is 1.
 pub const CORRECTION: Object<i32> =
     parameter(0x2010, 0, "Actual value correction (offset)", LENGTH_MIN, LENGTH_MAX)
@@ -210,12 +299,162 @@ pub const RESET_FUNCTION: Object<u32> =
     number(0x2015, 0, "SPA reset function").write_only().within(1, 6);
 
 /// Setpoints.
-pub const SETPOINT: Object<u8> = highest(0x2020, "Setpoint (target position)", 1);
+pub const SETPOINT: Object<u8> = highest(0x2020, "Setpoint (target position)", 8);
 /// The setpoint that is in force after power-up.
 pub const STANDARD_SETPOINT: Object<i32> =
     parameter(0x2020, 1, "Standard setpoint (S)", LENGTH_MIN, LENGTH_MAX)
         .default(1_000)
         .unit(Unit::HundredthMm);
+
+/// As [`STANDARD_SETPOINT`], and the move starts at once.
+pub const START_STANDARD_SETPOINT: Object<i32> =
+    parameter(0x2020, 2, "Standard setpoint with motor release (SF)", LENGTH_MIN, LENGTH_MAX)
+        .default(1_000)
+        .unit(Unit::HundredthMm);
+/// Equals [`STANDARD_SETPOINT`] after power-up.
+pub const DIMENSION_SETPOINT: Object<i32> = number(0x2020, 3, "Dimension setpoint (SD)")
+    .read_write()
+    .within(LENGTH_MIN, LENGTH_MAX)
+    .unit(Unit::HundredthMm);
+/// As [`DIMENSION_SETPOINT`], and the move starts at once.
+pub const START_DIMENSION_SETPOINT: Object<i32> =
+    number(0x2020, 4, "Dimension setpoint with motor release (SDF)")
+        .read_write()
+        .within(LENGTH_MIN, LENGTH_MAX)
+        .unit(Unit::HundredthMm);
+/// The move starts at once and never makes a loop.
+pub const START_DIRECT_SETPOINT: Object<i32> =
+    number(0x2020, 5, "Direct setpoint, no loop, with motor release (SEF)")
+        .read_write()
+        .within(LENGTH_MIN, LENGTH_MAX)
+        .unit(Unit::HundredthMm);
+/// Approached at [`SAW_IN_SPEED`].
+pub const SAW_IN_SETPOINT: Object<i32> = number(0x2020, 6, "Saw-in setpoint (SL)")
+    .read_write()
+    .within(LENGTH_MIN, LENGTH_MAX)
+    .unit(Unit::HundredthMm);
+/// As [`SAW_IN_SETPOINT`], and the move starts at once.
+pub const START_SAW_IN_SETPOINT: Object<i32> =
+    number(0x2020, 7, "Saw-in setpoint with motor release (SLF)")
+        .read_write()
+        .within(LENGTH_MIN, LENGTH_MAX)
+        .unit(Unit::HundredthMm);
+/// 0 slow, 1 middle, 2 fast.
+pub const SAW_IN_SPEED: Object<u32> = parameter(0x2020, 8, "Saw-in speed", 0, 2);
+
+/// Basic settings of the motor.
+pub const MOTOR_SETTINGS: Object<u8> =
+    highest(0x2040, "Motor basic settings - highest sub-index", 4);
+/// 0: the left key counts down; 1: swapped.
+pub const KEY_ASSIGNMENT: Object<u32> = parameter(0x2040, 1, "Key assignment", 0, 1);
+/// 1 swaps the outputs for left and right.
+pub const MOTOR_DIRECTION: Object<u32> = parameter(0x2040, 2, "Motor rotation direction", 0, 1);
+/// 0 up, 1 down, 2 both, 3 off.
+pub const JOG_ENABLE: Object<u32> = parameter(0x2040, 3, "Jog enable (micro step)", 0, 3);
+/// Value n is group n + 1.
+pub const GROUP: Object<u32> = parameter(0x2040, 4, "Group setting", 0, 7);
+
+/// Extended settings of the motor.
+pub const MOTOR_EXTENDED_SETTINGS: Object<u8> =
+    highest(0x2041, "Motor extended settings - highest sub-index", 4);
+/// 0: collisions are watched; 1: they are not.
+pub const COLLISION_OFF: Object<u32> = parameter(0x2041, 1, "Collision on/off", 0, 1);
+/// 1: the switch-off point follows the run-out.
+pub const DYNAMIC_PRE_CUTOFF: Object<u32> = parameter(0x2041, 2, "Dynamic pre-cutoff", 0, 1);
+/// 0 standard and oscillation, 1 clocked, 2 external positioning, 3 off.
+pub const INPUT_MODE: Object<u32> = parameter(0x2041, 3, "Input mode", 0, 3);
+/// 0 standard, 1 slow, 2 middle, 3 fast.
+pub const KEY_MODE: Object<u32> = parameter(0x2041, 4, "Key mode", 0, 3);
+
+/// Where the speed changes before the target.
+pub const SPEED_POINTS: Object<u8> =
+    highest(0x2042, "Speed switching points - highest sub-index", 3);
+/// Not in force when it is not above [`CREEP_POINT`].
+pub const SLOW_POINT: Object<u32> =
+    parameter(0x2042, 1, "Slow-speed point", 0, 9_999).unit(Unit::HundredthMm);
+/// Before the target.
+pub const CREEP_POINT: Object<u32> =
+    parameter(0x2042, 2, "Creep-speed point", 0, 9_999).default(150).unit(Unit::HundredthMm);
+/// Negative: past the target.
+pub const SWITCH_OFF_POINT: Object<i32> =
+    parameter(0x2042, 3, "Switch-off point", -9_999, 9_999).unit(Unit::HundredthMm);
+
+/// Span in which the motor moves.
+pub const END_POSITIONS: Object<u8> = highest(0x2043, "End positions - highest sub-index", 2);
+/// Lower end.
+pub const END_POSITION_MIN: Object<i32> =
+    parameter(0x2043, 1, "End position MIN", LENGTH_MIN, LENGTH_MAX - 1)
+        .default(LENGTH_MIN)
+        .unit(Unit::HundredthMm);
+/// Upper end.
+pub const END_POSITION_MAX: Object<i32> =
+    parameter(0x2043, 2, "End position MAX", LENGTH_MIN + 1, LENGTH_MAX)
+        .default(LENGTH_MAX)
+        .unit(Unit::HundredthMm);
+
+/// Span in which collisions are watched.
+pub const COLLISION_LIMITS: Object<u8> = highest(0x2044, "Collision limits - highest sub-index", 2);
+/// Lower end.
+pub const COLLISION_LIMIT_MIN: Object<i32> =
+    parameter(0x2044, 1, "Collision MIN", LENGTH_MIN, LENGTH_MAX - 1)
+        .default(LENGTH_MIN)
+        .unit(Unit::HundredthMm);
+/// Upper end.
+pub const COLLISION_LIMIT_MAX: Object<i32> =
+    parameter(0x2044, 2, "Collision MAX", LENGTH_MIN + 1, LENGTH_MAX)
+        .default(LENGTH_MAX)
+        .unit(Unit::HundredthMm);
+
+/// Setpoints of the inputs.
+pub const SPECIAL_SETPOINTS: Object<u8> =
+    highest(0x2045, "Special setpoints D1/D2/D3 - highest sub-index", 3);
+/// Lower turning point of the oscillation, or clocked target of input F.
+pub const SETPOINT_D1: Object<i32> = number(0x2045, 1, "Setpoint D1")
+    .read_write()
+    .within(LENGTH_MIN, LENGTH_MAX)
+    .default(LENGTH_MIN)
+    .unit(Unit::HundredthMm);
+/// Upper turning point of the oscillation, or clocked target of input G.
+pub const SETPOINT_D2: Object<i32> = number(0x2045, 2, "Setpoint D2")
+    .read_write()
+    .within(LENGTH_MIN, LENGTH_MAX)
+    .default(LENGTH_MAX)
+    .unit(Unit::HundredthMm);
+/// Target of the external positioning; locked after power-up until it is written.
+pub const SETPOINT_D3: Object<i32> = number(0x2045, 3, "Setpoint D3")
+    .read_write()
+    .within(LENGTH_MIN, LENGTH_MAX)
+    .unit(Unit::HundredthMm);
+
+/// 0 is a step of 50.
+pub const JOG_STEP: Object<u32> =
+    parameter(0x2046, 0, "Jog step width", 0, 9_999).default(1).unit(Unit::HundredthMm);
+
+/// Times of the motor.
+pub const MOTOR_TIMES: Object<u8> = highest(0x2047, "Motor system times - highest sub-index", 3);
+/// Rest at the turn of a loop.
+pub const LOOP_DWELL_TIME: Object<u32> =
+    parameter(0x2047, 1, "Loop dwell time", 1, 999).default(10).unit(Unit::TenthSecond);
+/// Rest of the shaft under power that is an error.
+pub const LAG_TIME: Object<u32> =
+    parameter(0x2047, 2, "Lag error time", 1, 999).default(30).unit(Unit::TenthSecond);
+/// 0 off, 1 to 799 clamp, from 800 holding torque.
+pub const CLAMPING: Object<u32> = parameter(0x2047, 3, "Clamping", 0, 999).unit(Unit::TenthSecond);
+
+/// Reads 0 without clamp, 1 open, 2 closed; writes 0 open, 1 close.
+pub const CLAMP: Object<u8> = number(0x2048, 0, "Clamp open/close").read_write().within(0, 1);
+
+/// Commands to the motor.
+pub const DRIVE_COMMAND: Object<u8> = highest(0x204D, "Drive command - highest sub-index", 3);
+/// 0 stop, 1 to 8 start of this group.
+pub const POSITIONING_COMMAND: Object<u8> =
+    number(0x204D, 1, "Positioning start/stop").read_write().within(0, 8);
+/// 0 end, 1 start.
+pub const OSCILLATION_COMMAND: Object<u8> =
+    number(0x204D, 2, "Oscillation start/stop").read_write().within(0, 1);
+/// 11 to 13 right, 21 to 23 left: slow, middle, fast. Reads 0 at rest.
+pub const JOG_COMMAND: Object<u8> =
+    number(0x204D, 3, "Jog run start").read_write().within(11, 13).or_within(&[(21, 23)]);
 
 /// Status and errors of the application.
 pub const STATUS_AND_ERRORS: Object<u8> = highest(0x204E, "SPA status and errors", 2);
@@ -224,6 +463,16 @@ pub const STATUS: Object<u16> = number(0x204E, 1, "SPA status").mappable(Transmi
 /// Bits: NM17x ERR-01.
 pub const ERRORS: Object<u16> = number(0x204E, 2, "SPA errors").mappable(Transmit);
 
+/// The external sensor of the NM174.
+pub const SENSOR: Object<u8> = highest(0x2060, "Sensor parameters - highest sub-index", 3);
+/// Length of a frame.
+pub const SSI_WIDTH: Object<u32> =
+    parameter(0x2060, 1, "SSI data width", 12, 32).default(25).unit(Unit::Bit);
+/// 0 binary, 1 Gray.
+pub const SSI_CODE: Object<u32> = parameter(0x2060, 2, "SSI code", 0, 1).default(1);
+/// 0 rotary, 1 linear, 2 angle left-aligned, 3 Dunker AEM65, 4 Turck Li200, 9 angle right-aligned.
+pub const SENSOR_TYPE: Object<u32> = parameter(0x2060, 3, "Sensor type", 0, 4).or_within(&[(9, 9)]);
+
 /// 0 to 8: 10, 20, 50, 100, 125, 250, 500, 800, 1000 kbit/s. In force after a restart.
 pub const BIT_RATE: Object<u8> =
     parameter(0x2100, 0, "CAN baud rate", 0, 8).default(4).held_by_interface();
@@ -231,19 +480,39 @@ pub const BIT_RATE: Object<u8> =
 pub const NODE_ID: Object<u8> =
     parameter(0x2101, 0, "Node-ID", 1, 127).default(127).held_by_interface();
 
+/// The last RxPDO1. Writing it has no effect.
+pub const BROADCAST: Object<u8> = highest(0x2500, "PDO broadcast - highest sub-index", 4);
+/// As received.
+pub const BROADCAST_CONTROL: Object<u8> = number(0x2500, 1, "Broadcast control register")
+    .read_write()
+    .held_by_interface()
+    .mappable(Receive);
+/// As received.
+pub const BROADCAST_OBJECT: Object<u16> =
+    number(0x2500, 2, "Broadcast object number").read_write().held_by_interface().mappable(Receive);
+/// As received.
+pub const BROADCAST_SUB_INDEX: Object<u8> =
+    number(0x2500, 3, "Broadcast sub-index").read_write().held_by_interface().mappable(Receive);
+/// As received.
+pub const BROADCAST_DATA: Object<u32> =
+    number(0x2500, 4, "Broadcast data").read_write().held_by_interface().mappable(Receive);
+
 /// The last RxPDO2, and what TxPDO2 returns of it.
 pub const PDO_SETPOINT: Object<u8> = highest(0x2501, "PDO setpoint", 4);
 /// Bytes 1 to 4 of RxPDO2.
 pub const PDO_SETPOINT_SETPOINT: Object<u32> =
-    number(0x2501, 1, "PDO setpoint - setpoint").read_write().held_by_interface();
+    number(0x2501, 1, "PDO setpoint - setpoint").read_write().held_by_interface().mappable(Receive);
 /// Bytes 5 and 6 of RxPDO2.
 pub const PDO_SETPOINT_CORRECTION: Object<u16> =
     number(0x2501, 2, "PDO setpoint - actual value correction (RxPDO2)")
         .read_write()
-        .held_by_interface();
+        .held_by_interface()
+        .mappable(Receive);
 /// Bytes 7 and 8 of RxPDO2.
-pub const PDO_SETPOINT_CONTROL: Object<u16> =
-    number(0x2501, 3, "PDO setpoint - control register").read_write().held_by_interface();
+pub const PDO_SETPOINT_CONTROL: Object<u16> = number(0x2501, 3, "PDO setpoint - control register")
+    .read_write()
+    .held_by_interface()
+    .mappable(Receive);
 /// The correction TxPDO2 carries.
 pub const PDO_SETPOINT_CORRECTION_SENT: Object<u16> =
     number(0x2501, 4, "PDO setpoint - actual value correction (TxPDO2)")
