@@ -29,6 +29,13 @@ pub trait Application {
         Ok(Written::Taken)
     }
 
+    /// Asked before the numbers of the receive PDO 0x1400 + `number`, which their rows permit, are
+    /// stored, all or none.
+    fn receive(&mut self, number: u16, values: &[Mapped]) -> Written {
+        let _ = (number, values);
+        Written::Taken
+    }
+
     /// Takes a text of the row's length over; the stack keeps no texts.
     ///
     /// # Errors
@@ -41,6 +48,17 @@ pub trait Application {
 
 /// A product without hooks: what the dictionary says is all.
 impl Application for () {}
+
+/// A number that a receive PDO carries for an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mapped {
+    /// Where it goes.
+    pub slot: Slot,
+    /// The row there.
+    pub row: &'static Row,
+    /// The number, in 32 bits.
+    pub raw: u32,
+}
 
 /// What becomes of a written number. The client sees success either way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

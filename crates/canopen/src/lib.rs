@@ -16,6 +16,7 @@
 //! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
 //! | SDO server | one; expedited and segmented, both ways |
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
+//! | | receive: types 0 to 240, 254, 255; deadline, fixed mapping |
 //! | SYNC | consumer |
 //! | EMCY | identifier (0x1014), inhibit time, error field (0x1003), error reset with the error register |
 //! | LSS (CiA 305) | all services, where [`Settings::lss`] asks for it |
@@ -24,8 +25,8 @@
 //! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
 //!
 //! **Work.** One frame costs one look into the dictionary (a binary search) and at most one pass
-//! over the transmit PDOs. There is no tick: between the instants of [`Node::poll_timeout`] nothing
-//! is due. Frames for others cost four comparisons, and none at all where the controller filters by
+//! over the PDOs. There is no tick: between the instants of [`Node::poll_timeout`] nothing
+//! is due. Frames for others cost a few comparisons, and none at all where the controller filters by
 //! [`Node::accepts`].
 //!
 //! **Memory.** All bounds are constants: [`TRANSMIT_MAX`] frames wait for mailboxes, and what does
@@ -50,11 +51,13 @@ mod sdo;
 mod settings;
 mod sync;
 
-pub use application::{Application, ReadError, WriteError, Written};
+pub use application::{Application, Mapped, ReadError, WriteError, Written};
 pub use cob_id::NodeId;
 pub use frame::{CanId, DATA_MAX, Frame};
 pub use nmt::State;
 pub use node::{Accepted, Event, Node};
 pub use outbox::TRANSMIT_MAX;
 pub use sdo::AbortCode;
-pub use settings::{AbortCodes, AdditionalInformation, Expedited, Settings, Trigger};
+pub use settings::{
+    AbortCodes, AdditionalInformation, Emergency, Expedited, ReceiveErrors, Settings, Trigger,
+};

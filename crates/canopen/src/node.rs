@@ -2,7 +2,7 @@ use heapless::{Deque, Vec};
 use object_dictionary::{Dictionary, ObjectId, Slot, Values};
 use units::Instant;
 
-use crate::application::Application;
+use crate::application::{Application, Written};
 use crate::cob_id::{self, NodeId, Service};
 use crate::emcy;
 use crate::frame::{CanId, Frame};
@@ -10,15 +10,16 @@ use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
-use crate::pdo::{TPDO_MAX, Tpdo};
+use crate::pdo::{RPDO_MAX, Received, Rpdo, TPDO_MAX, Tpdo};
 use crate::sdo::{self, Objects};
-use crate::settings::Settings;
+use crate::settings::{Emergency, Settings};
 use crate::sync;
 
 /// Events that may wait for [`Node::poll_event`].
-const EVENTS_MAX: usize = 12;
-/// The most that one call brings about: all producers lost, and what follows from that.
-const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1;
+const EVENTS_MAX: usize = 16;
+/// The most that one call brings about: all producers lost, what follows from that, and all receive
+/// PDOs overdue.
+const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + RPDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
 const SYNC_COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
@@ -63,6 +64,7 @@ pub struct Node<const LEN: usize> {
     emergencies: emcy::Producer,
     sdo: sdo::Server,
     lss: Option<lss::Slave>,
+    rpdos: Vec<Rpdo, RPDO_MAX>,
     tpdos: Vec<Tpdo, TPDO_MAX>,
     outbox: Outbox,
     overflow: Overflow,
@@ -98,6 +100,11 @@ pub enum Event {
     /// Layer setting services ask for something. After [`lss::Event::ActivateBitTiming`] the node
     /// is silent and deaf.
     Lss(lss::Event),
+    /// A receive PDO stays away longer than its event timer allows.
+    PdoOverdue {
+        /// The PDO 0x1400 + `number`.
+        number: u16,
+    },
     /// [`Node::accepts`] changed.
     FiltersChanged,
     /// Frames were dropped because too many waited for a mailbox. Comes once, until none waits any
@@ -137,6 +144,10 @@ impl<const LEN: usize> Node<LEN> {
         let value = |object| dictionary.find(object).ok().map(|slot| values.raw(slot));
         let mut heartbeat = heartbeat::Producer::default();
         heartbeat.set_period_ms(value(HEARTBEAT_TIME).unwrap_or(0));
+        let mut rpdos = Vec::new();
+        for rpdo in (0..).take(RPDO_MAX).filter_map(|number| Rpdo::new(number, &values)) {
+            let _ = rpdos.push(rpdo);
+        }
         let mut tpdos = Vec::new();
         for tpdo in (0..).take(TPDO_MAX).filter_map(|number| Tpdo::new(number, &values, settings)) {
             let _ = tpdos.push(tpdo);
@@ -152,6 +163,7 @@ impl<const LEN: usize> Node<LEN> {
             emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
             lss: None,
+            rpdos,
             tpdos,
             outbox: Outbox::default(),
             overflow: Overflow::Reportable { lost_before: 0 },
@@ -195,7 +207,9 @@ impl<const LEN: usize> Node<LEN> {
         } else if frame.id() == Service::SdoRequest.id(self.node_id) {
             self.handle_sdo(now, frame, application);
         } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
-            self.handle_sync(now);
+            self.handle_sync(now, application);
+        } else if self.rpdos.iter().any(|rpdo| rpdo.id() == Some(frame.id())) {
+            self.handle_rpdo(now, frame, application);
         } else if Service::ErrorControl.has(frame.id()) {
             self.handle_heartbeat(now, frame);
         } else if let Some(slave) = &mut self.lss {
@@ -213,6 +227,7 @@ impl<const LEN: usize> Node<LEN> {
             self.send_heartbeat();
         }
         self.give_up_producers(now);
+        self.report_overdue(now);
         self.send_waiting_emergencies(now);
         self.transmit_due(now);
     }
@@ -220,11 +235,12 @@ impl<const LEN: usize> Node<LEN> {
     /// When [`Self::handle_timeout`] has something to do. `None` as long as nothing happens.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
+        let rpdos = self.rpdos.iter().filter_map(Rpdo::due_at);
         let tpdos = self.tpdos.iter().filter_map(Tpdo::due_at);
         let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
         let heartbeats = [self.heartbeat.due_at(), self.monitored.due_at()];
         let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(heartbeats);
-        due.flatten().chain(tpdos).min()
+        due.flatten().chain(rpdos).chain(tpdos).min()
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -299,6 +315,7 @@ impl<const LEN: usize> Node<LEN> {
         .into_iter()
         .flatten()
         .chain(self.monitored.ids())
+        .chain(self.rpdos.iter().filter_map(Rpdo::id))
         .map(data)
     }
 
@@ -413,13 +430,78 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn handle_sync(&mut self, now: Instant) {
+    /// What waited for the SYNC is taken over before PDOs go out with it.
+    fn handle_sync(&mut self, now: Instant, application: &mut impl Application) {
+        for position in 0..self.rpdos.len() {
+            if let Some(bytes) = self.rpdos.get_mut(position).and_then(Rpdo::take_waiting) {
+                self.take_over(now, position, bytes, application);
+            }
+        }
         for tpdo in &mut self.tpdos {
             if tpdo.handle_sync()
                 && let Some(frame) = tpdo.transmit(now, &self.values)
             {
                 self.outbox.supersede(frame);
             }
+        }
+    }
+
+    fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+        if self.state != State::Operational {
+            return;
+        }
+        for position in 0..self.rpdos.len() {
+            let Some(rpdo) = self.rpdos.get_mut(position) else { break };
+            let received = rpdo.handle(now, frame);
+            let too_long = received != Received::Nothing && rpdo.is_exceeded_by(frame.dlc());
+            if too_long {
+                self.say(self.settings.receive_errors.too_long);
+            }
+            match received {
+                Received::Values(bytes) => self.take_over(now, position, bytes, application),
+                Received::TooShort => self.say(self.settings.receive_errors.too_short),
+                Received::Waits | Received::Nothing => {}
+            }
+        }
+        self.transmit_due(now);
+    }
+
+    /// Takes the values of a receive PDO over, all or none.
+    fn take_over(
+        &mut self,
+        now: Instant,
+        position: usize,
+        bytes: [u8; 8],
+        application: &mut impl Application,
+    ) {
+        let Some(rpdo) = self.rpdos.get(position) else { return };
+        let Some(mapped) = rpdo.unpack(bytes, &self.values) else {
+            return self.say(self.settings.receive_errors.value);
+        };
+        match application.receive(rpdo.number(), &mapped) {
+            Written::Taken => {
+                for mapped in mapped {
+                    self.set_value(now, mapped.slot, mapped.raw);
+                }
+            }
+            Written::Ignored => {}
+        }
+    }
+
+    fn report_overdue(&mut self, now: Instant) {
+        for position in 0..self.rpdos.len() {
+            let Some(rpdo) = self.rpdos.get_mut(position) else { break };
+            if rpdo.take_due(now) {
+                let number = rpdo.number();
+                self.report(Event::PdoOverdue { number });
+                self.say(self.settings.receive_errors.overdue);
+            }
+        }
+    }
+
+    fn say(&mut self, emergency: Option<Emergency>) {
+        if let Some(Emergency { code, manufacturer }) = emergency {
+            self.send_emergency(code, manufacturer);
         }
     }
 
@@ -511,6 +593,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn stop_pdos(&mut self) {
+        self.rpdos.iter_mut().for_each(Rpdo::stop);
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         let tpdos = &self.tpdos;
         self.outbox.retain(|frame| !tpdos.iter().any(|tpdo| tpdo.sends(frame.id())));
@@ -522,6 +605,7 @@ impl<const LEN: usize> Node<LEN> {
         self.heartbeat.stop();
         self.monitored.stop();
         self.sdo.stop();
+        self.rpdos.iter_mut().for_each(Rpdo::stop);
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         self.outbox.clear();
         self.report(reason);
@@ -584,6 +668,11 @@ impl<const LEN: usize> Node<LEN> {
                 self.update_error_register(now);
             }
             0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
+            index @ 0x1400..=0x15FF => {
+                for rpdo in self.rpdos.iter_mut().filter(|rpdo| rpdo.is_described_by(index)) {
+                    self.filters_changed |= rpdo.reread(&self.values);
+                }
+            }
             index @ 0x1800..=0x19FF => self.reread_tpdo(now, index),
             _ => {}
         }

@@ -14,6 +14,8 @@ pub struct Settings {
     pub type_255: Trigger,
     /// Which lengths an expedited download may indicate.
     pub expedited: Expedited,
+    /// The emergency messages about receive PDOs.
+    pub receive_errors: ReceiveErrors,
     /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
     pub additional_information: AdditionalInformation,
     /// How layer setting services are served; `None` without.
@@ -40,6 +42,28 @@ pub enum Expedited {
     AnyLength,
     /// 1, 2 or 4 bytes; three are an unknown command.
     OneTwoOrFour,
+}
+
+/// The emergency messages about receive PDOs; `None` says nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReceiveErrors {
+    /// A frame has fewer bytes than the mapped objects. It is dropped.
+    pub too_short: Option<Emergency>,
+    /// A frame has more bytes than the mapped objects. The first bytes are used.
+    pub too_long: Option<Emergency>,
+    /// One of the values is not permitted. The frame is dropped.
+    pub value: Option<Emergency>,
+    /// The next PDO is overdue (sub-index 5 of 0x1400 and following).
+    pub overdue: Option<Emergency>,
+}
+
+/// What an emergency message says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Emergency {
+    /// The error code (CiA 301, table 26).
+    pub code: u16,
+    /// The maker's bytes.
+    pub manufacturer: [u8; 5],
 }
 
 /// What an entry of the pre-defined error field holds in bits 31 to 16, besides the error code.
@@ -78,6 +102,12 @@ impl Settings {
         type_254: Trigger::ChangeOrTimer,
         type_255: Trigger::ChangeOrTimer,
         expedited: Expedited::AnyLength,
+        receive_errors: ReceiveErrors {
+            too_short: Some(Emergency { code: 0x8210, manufacturer: [0; 5] }),
+            too_long: Some(Emergency { code: 0x8220, manufacturer: [0; 5] }),
+            value: None,
+            overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
+        },
         additional_information: AdditionalInformation::FirstTwoBytes,
         lss: None,
         abort_codes: AbortCodes {

@@ -279,7 +279,7 @@ impl Interface {
                     self.boot_up(now);
                 }
                 canopen::Event::HeartbeatLost { .. } => self.link.stop(Urgency::HeartbeatLost),
-                canopen::Event::HeartbeatRecovered { .. } => {}
+                canopen::Event::HeartbeatRecovered { .. } | canopen::Event::PdoOverdue { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 // The settings of the NM17x ask for no layer setting services.
                 canopen::Event::Lss(_) => {}

@@ -1,6 +1,7 @@
 use heapless::Vec;
 use object_dictionary::{ObjectId, Slot, Values};
 
+use crate::application::Mapped;
 use crate::frame::{CanId, DATA_MAX, Frame};
 
 /// Objects that one PDO may carry.
@@ -16,8 +17,8 @@ pub(super) struct Mapping {
     bits: u32,
 }
 
-/// Where the bits of one object lie. Without a slot they are zero: the product does not have the
-/// object.
+/// Where the bits of one object lie. Without a slot they are zero when sent and dropped when
+/// received: the product does not have the object.
 #[derive(Clone, Copy, Debug)]
 struct Field {
     slot: Option<Slot>,
@@ -64,7 +65,34 @@ impl Mapping {
             let raw = field.slot.map_or(0, |slot| values.raw(slot));
             data | u64::from(raw & field.mask) << field.shift
         });
+        Frame::prefix(id, data.to_le_bytes(), self.byte_len())
+    }
+
+    /// Length of the data, 0 to 8 bytes.
+    pub(super) const fn byte_len(&self) -> u8 {
         let [len, ..] = self.bits.div_ceil(8).to_le_bytes();
-        Frame::prefix(id, data.to_le_bytes(), len)
+        len
+    }
+
+    /// The numbers that the objects would have. `None` when one of them is not permitted.
+    pub(super) fn unpack<const LEN: usize>(
+        &self,
+        bytes: [u8; 8],
+        values: &Values<LEN>,
+    ) -> Option<Vec<Mapped, MAPPED_MAX>> {
+        let data = u64::from_le_bytes(bytes);
+        let mut unpacked = Vec::new();
+        for field in &self.fields {
+            let found = field.slot.and_then(|slot| Some((slot, values.dictionary().row(slot)?)));
+            let Some((slot, row)) = found else { continue };
+            let [a, b, c, d, ..] = (data >> field.shift).to_le_bytes();
+            let number = row.data_type.number(u32::from_le_bytes([a, b, c, d]) & field.mask);
+            if !row.limits.permit(number) {
+                return None;
+            }
+            let [a, b, c, d, ..] = number.to_le_bytes();
+            unpacked.push(Mapped { slot, row, raw: u32::from_le_bytes([a, b, c, d]) }).ok()?;
+        }
+        Some(unpacked)
     }
 }

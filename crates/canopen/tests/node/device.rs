@@ -2,8 +2,8 @@
 //! standard library can include it too.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, Application, Expedited, Node, NodeId, ReadError,
-    Settings, Trigger, WriteError, Written,
+    AbortCode, AbortCodes, AdditionalInformation, Application, Emergency, Expedited, Mapped, Node,
+    NodeId, ReadError, ReceiveErrors, Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
 use units::Duration;
@@ -17,6 +17,12 @@ pub(crate) static SETTINGS: Settings = Settings {
     type_254: Trigger::Timer,
     type_255: Trigger::Change,
     expedited: Expedited::OneTwoOrFour,
+    receive_errors: ReceiveErrors {
+        too_short: Some(Emergency { code: 0x8210, manufacturer: [0, 0, 0, 0, 1] }),
+        too_long: None,
+        value: Some(Emergency { code: 0x8220, manufacturer: [0, 0, 0, 0, 3] }),
+        overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
+    },
     additional_information: AdditionalInformation::LastByte,
     lss: None,
     abort_codes: AbortCodes {
@@ -50,6 +56,18 @@ const fn cob_id(index: u16) -> Object<u32> {
     rw(index, 1, "COB-ID").within(0x181, 0x57F).or_within(PDO_COB_IDS)
 }
 
+const fn rpdo_cob_id(index: u16) -> Object<u32> {
+    rw(index, 1, "COB-ID")
+}
+
+const fn received<T: object_dictionary::Value>(
+    index: u16,
+    sub: u8,
+    name: &'static str,
+) -> Object<T> {
+    rw(index, sub, name).mappable(PdoMapping::Receive)
+}
+
 const fn transmission_type(index: u16) -> Object<u8> {
     rw(index, 2, "Transmission type").within(1, 0xF0).or_within(ACYCLIC).default(0xFF)
 }
@@ -75,6 +93,24 @@ const MONITORED_2: Object<u32> = rw(0x1016, 2, "Consumer heartbeat time");
 const ON_COMMUNICATION_ERROR: Object<u8> = rw(0x1029, 1, "Error behaviour");
 const ON_MANUFACTURER_ERROR: Object<u8> = rw(0x1029, 2, "Error behaviour").within(0, 2).default(1);
 const HEARTBEAT: Object<u16> = rw(0x1017, 0, "Heartbeat time");
+const RPDO1_COB_ID: Object<u32> = rpdo_cob_id(0x1400).default(0x4000_0201);
+const RPDO1_TYPE: Object<u8> = rw(0x1400, 2, "Transmission type").default(0xFF);
+const RPDO2_COB_ID: Object<u32> = rpdo_cob_id(0x1401).default_node_id_plus(0x4000_0300);
+const RPDO2_TYPE: Object<u8> = rw(0x1401, 2, "Transmission type").default(0xFF);
+const RPDO2_TIMER: Object<u16> = rw(0x1401, 5, "Event timer");
+const RPDO3_COB_ID: Object<u32> = rpdo_cob_id(0x1402).default(0x301);
+const RPDO3_TYPE: Object<u8> = rw(0x1402, 2, "Transmission type").default(0xFE);
+const RPDO1_MAPPING: Object<u8> = Object::highest_sub_index(0x1600, "Mapping", 4);
+const RPDO1_MAP_1: Object<u32> = map(0x1600, 1, 0x2500_0108);
+const RPDO1_MAP_2: Object<u32> = map(0x1600, 2, 0x2500_0210);
+const RPDO1_MAP_3: Object<u32> = map(0x1600, 3, 0x2500_0308);
+const RPDO1_MAP_4: Object<u32> = map(0x1600, 4, 0x2500_0420);
+const RPDO2_MAPPING: Object<u8> = Object::highest_sub_index(0x1601, "Mapping", 3);
+const RPDO2_MAP_1: Object<u32> = map(0x1601, 1, 0x2501_0120);
+const RPDO2_MAP_2: Object<u32> = map(0x1601, 2, 0x2501_0210);
+const RPDO2_MAP_3: Object<u32> = map(0x1601, 3, 0x2501_0310);
+const RPDO3_MAPPING: Object<u8> = Object::highest_sub_index(0x1602, "Mapping", 1);
+const RPDO3_MAP_1: Object<u32> = map(0x1602, 1, 0x2501_0410);
 const TPDO1_COB_ID: Object<u32> = cob_id(0x1800).default_node_id_plus(0xC000_0180);
 const TPDO1_TYPE: Object<u8> = transmission_type(0x1800);
 const TPDO1_INHIBIT: Object<u16> = rw(0x1800, 3, "Inhibit time").default(80);
@@ -102,6 +138,13 @@ const STATUS: Object<u16> = live(0x204E, 1, "Status");
 const ERRORS: Object<u16> = live(0x204E, 2, "Errors");
 const READING: Object<u32> = Object::new(0x2110, 0, "Sensor reading");
 const NODE: Object<u8> = rw(0x2101, 0, "Node-ID").within(1, 127).default(127);
+const BROADCAST_CONTROL: Object<u8> = received(0x2500, 1, "Control");
+const BROADCAST_INDEX: Object<u16> = received(0x2500, 2, "Object");
+const BROADCAST_SUB: Object<u8> = received(0x2500, 3, "Sub-index");
+const BROADCAST_DATA: Object<u32> = received(0x2500, 4, "Data");
+const SETPOINT: Object<i32> = received(0x2501, 1, "Setpoint").within(-99_999, 999_999);
+const CORRECTION: Object<i16> = received(0x2501, 2, "Correction");
+const CONTROL: Object<u16> = received(0x2501, 3, "Control");
 const SENT_CORRECTION: Object<i16> = live(0x2501, 4, "Correction").read_write();
 const PRESET: Object<i32> = rw(0x6003, 0, "Preset").within(-99_999, 999_999);
 const POSITION: Object<i32> = live(0x6004, 0, "Position");
@@ -111,12 +154,17 @@ object_dictionary::product! {
     DEVICE_TYPE, ERROR_REGISTER, ERROR_COUNT, ERROR_1, ERROR_2, ERROR_3, SYNC_COB_ID, NAME,
     HARDWARE, SOFTWARE, STORE, EMCY_COB_ID, EMCY_INHIBIT, MONITORED_1, MONITORED_2, HEARTBEAT,
     ON_COMMUNICATION_ERROR, ON_MANUFACTURER_ERROR,
+    RPDO1_COB_ID, RPDO1_TYPE, RPDO2_COB_ID, RPDO2_TYPE, RPDO2_TIMER, RPDO3_COB_ID, RPDO3_TYPE,
+    RPDO1_MAPPING, RPDO1_MAP_1, RPDO1_MAP_2, RPDO1_MAP_3, RPDO1_MAP_4,
+    RPDO2_MAPPING, RPDO2_MAP_1, RPDO2_MAP_2, RPDO2_MAP_3, RPDO3_MAPPING, RPDO3_MAP_1,
     TPDO1_COB_ID, TPDO1_TYPE, TPDO1_INHIBIT, TPDO1_TIMER,
     TPDO2_COB_ID, TPDO2_TYPE, TPDO2_INHIBIT, TPDO2_TIMER,
     TPDO1_MAPPING, TPDO1_MAP_1, TPDO1_MAP_2, TPDO1_MAP_3,
     TPDO2_MAPPING, TPDO2_MAP_1, TPDO2_MAP_2, TPDO2_MAP_3,
     NMT_STARTUP, ROTATE_DISPLAY, WINDOW, MESSAGE, SHOW, CUTOFF, CLAMP, STATUS, ERRORS, NODE,
-    READING,    SENT_CORRECTION, PRESET, POSITION,
+    READING,
+    BROADCAST_CONTROL, BROADCAST_INDEX, BROADCAST_SUB, BROADCAST_DATA,
+    SETPOINT, CORRECTION, CONTROL, SENT_CORRECTION, PRESET, POSITION,
 }
 
 /// The node with the settings of NM17x.
@@ -154,6 +202,13 @@ impl Application for Device {
             id if id == STORE.id() => Err(WriteError::WrongSignature),
             id if id == CLAMP.id() => Err(WriteError::Hardware),
             _ => Ok(Written::Taken),
+        }
+    }
+
+    fn receive(&mut self, number: u16, values: &[Mapped]) -> Written {
+        match (number, values) {
+            (0, [control, ..]) if control.raw == 0xFF => Written::Ignored,
+            _ => Written::Taken,
         }
     }
 

@@ -13,6 +13,7 @@ mod monitor;
 mod nmt;
 mod pdo;
 mod properties;
+mod receive;
 mod script;
 mod sdo;
 mod transmit;

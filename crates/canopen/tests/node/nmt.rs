@@ -222,9 +222,9 @@ fn a_new_sync_identifier_changes_the_filters() {
     let accepted = |node: &canopen::Node<{ crate::device::LEN }>| {
         node.accepts().map(|accepted| accepted.id.get()).collect::<Vec<u16>>()
     };
-    assert_eq!(accepted(&node), [0x000, 0x080, 0x67F]);
+    assert_eq!(accepted(&node), [0x000, 0x080, 0x67F, 0x201, 0x37F, 0x301]);
     let sync = object_dictionary::ObjectId { index: 0x1005, sub: 0 };
     let slot = crate::device::DICTIONARY.find(sync).unwrap();
     node.set_value(units::Instant::ZERO, slot, 0x90);
-    assert_eq!(accepted(&node), [0x000, 0x090, 0x67F]);
+    assert_eq!(accepted(&node), [0x000, 0x090, 0x67F, 0x201, 0x37F, 0x301]);
 }

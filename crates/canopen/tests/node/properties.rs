@@ -1,5 +1,5 @@
 use canopen::{CanId, Event, Frame, Node, Settings, State};
-use object_dictionary::{Access, DataType, ObjectId, Slot};
+use object_dictionary::{Access, DataType, ObjectId, PdoMapping, Slot};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use units::{Duration, Instant};
@@ -36,6 +36,11 @@ fn any_frame() -> impl Strategy<Value = Frame> {
         Some(data) => frame(id, &data),
         None => Frame::new_remote(CanId::new(id).unwrap(), len).unwrap(),
     })
+}
+
+fn receive_pdo() -> impl Strategy<Value = Frame> {
+    let data = vec(prop_oneof![Just(0), Just(0xFF), any::<u8>()], 0..=8);
+    (prop::sample::select(vec![0x201, 0x37F, 0x301]), data).prop_map(|(id, data)| frame(id, &data))
 }
 
 fn nmt_command() -> impl Strategy<Value = Frame> {
@@ -79,10 +84,10 @@ fn sdo_request() -> impl Strategy<Value = Frame> {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let live = [0x6004, 0x204E, 0x2501];
+    let live = [(0x6004, 0), (0x204E, 1), (0x204E, 2), (0x2501, 4)];
     let mapped: Vec<u16> = (0_u16..)
         .zip(DICTIONARY.rows())
-        .filter(|(_, row)| live.contains(&row.id.index))
+        .filter(|(_, row)| live.contains(&(row.id.index, row.id.sub)))
         .map(|(position, _)| position)
         .collect();
     prop_oneof![
@@ -90,6 +95,7 @@ fn step() -> impl Strategy<Value = Step> {
         2 => nmt_command().prop_map(Step::Receive),
         8 => sdo_request().prop_map(Step::Receive),
         2 => Just(Step::Receive(frame(SYNC, &[]))),
+        2 => receive_pdo().prop_map(Step::Receive),
         4 => (prop::sample::select(mapped), any::<u32>())
             .prop_map(|(position, raw)| Step::Set { position, raw }),
         1 => any::<u16>().prop_map(|code| Step::Emergency { code }),
@@ -187,12 +193,16 @@ impl Watch {
                 Event::HeartbeatRecovered { producer } => {
                     assert!(self.monitors(producer.get()), "{producer:?}");
                 }
+                Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
                 Event::Lss(event) => panic!("{event:?} without the service"),
                 Event::TransmitOverflow { lost } => panic!("{lost} frames lost"),
             }
         }
         assert_eq!(self.state, self.node.state());
+        for (slot, row) in DICTIONARY.slots().filter(|(_, row)| row.pdo == PdoMapping::Receive) {
+            assert!(row.permits(self.node.values().raw(slot)), "{:?}", row.id);
+        }
         let serves = matches!(self.state, State::PreOperational | State::Operational);
         let mut answers = Vec::new();
         while let Some(frame) = self.node.take_transmit() {
@@ -240,7 +250,6 @@ impl Watch {
     }
 
     fn check_pdo(&self, id: u16, frame: &Frame) {
-        self.check_not_heard(frame);
         assert_eq!(self.state, State::Operational, "{frame:02X?}");
         assert_eq!(frame.dlc(), 8);
         let own = [0x1800, 0x1801].iter().any(|&index| {

@@ -93,6 +93,7 @@ impl Run {
                 Event::ResetNode
                 | Event::ResetCommunication
                 | Event::FiltersChanged
+                | Event::PdoOverdue { .. }
                 | Event::HeartbeatLost { .. }
                 | Event::HeartbeatRecovered { .. }
                 | Event::Lss(_)
