@@ -145,3 +145,93 @@ pub static SHEETS: &[Sheet] = &[
         texts: encoder::gdam::TEXTS,
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use object_dictionary::{Access, Default, ObjectId, PdoMapping, Row};
+
+    use super::*;
+
+    /// Its sub-index 0 counts the errors it holds: none at delivery.
+    const ERROR_LIST: u16 = 0x1003;
+
+    fn rows() -> impl Iterator<Item = (&'static Sheet, &'static Row)> {
+        SHEETS.iter().flat_map(|sheet| sheet.dictionary.rows().iter().map(move |row| (sheet, row)))
+    }
+
+    fn number(row: &Row) -> Option<u32> {
+        match row.default {
+            Default::Number(number) => Some(number),
+            Default::NodeIdPlus(_) | Default::Text(_) => None,
+        }
+    }
+
+    /// CiA 301, PDO mapping: index, sub-index and length of what a PDO carries. The NM170 names the
+    /// status of the other types although it has none (NM17x A-37).
+    #[test]
+    fn pdos_carry_objects_that_exist_and_may_be_carried() {
+        for (sheet, row) in rows().filter(|(_, row)| row.id.sub > 0) {
+            let way = match row.id.index {
+                0x1600..=0x17FF => PdoMapping::Receive,
+                0x1A00..=0x1BFF => PdoMapping::Transmit,
+                _ => continue,
+            };
+            let entry = number(row).unwrap_or(0);
+            let [high, low, sub, bits] = entry.to_be_bytes();
+            let id = ObjectId { index: u16::from_be_bytes([high, low]), sub };
+            let carried =
+                sheet.dictionary.find(id).ok().and_then(|slot| sheet.dictionary.row(slot));
+            let Some(carried) = carried else {
+                assert_eq!((sheet.file, id.index), ("NM170", 0x204E), "{:?}", row.id);
+                continue;
+            };
+            assert_eq!(carried.data_type.len() * 8, usize::from(bits), "{} {id:?}", sheet.file);
+            assert!([way, PdoMapping::Both].contains(&carried.pdo), "{} {id:?}", sheet.file);
+        }
+    }
+
+    /// CiA 301, records and arrays: sub-index 0 is the highest sub-index. The NM170 says 8 for its
+    /// single setpoint, as the other types do (NM17x A-38), and TxPDO2 of the AP04 says 5 although
+    /// sub-indices 3 to 5 are unused.
+    #[test]
+    fn sub_index_0_is_the_highest_sub_index() {
+        for sheet in SHEETS {
+            for object in sheet.dictionary.rows().chunk_by(|a, b| a.id.index == b.id.index) {
+                let [first, .., last] = object else { continue };
+                let expected = match (sheet.file, first.id.index) {
+                    (_, ERROR_LIST) => 0,
+                    ("NM170", 0x2020) => 8,
+                    ("AP04", 0x1801) => 5,
+                    _ => u32::from(last.id.sub),
+                };
+                assert_eq!(number(first), Some(expected), "{} {:?}", sheet.file, first.id);
+            }
+        }
+    }
+
+    #[test]
+    fn every_object_has_a_name_of_its_own() {
+        for sheet in SHEETS {
+            for (n, text) in sheet.texts.iter().enumerate() {
+                let same = |other: &&Text| other.name == text.name;
+                assert!(!text.name.is_empty(), "{} {n}", sheet.file);
+                assert_eq!(
+                    sheet.texts.iter().filter(same).count(),
+                    1,
+                    "{} {}",
+                    sheet.file,
+                    text.name
+                );
+            }
+        }
+    }
+
+    /// What can only be written has no value that could be stored.
+    #[test]
+    fn commands_are_not_stored() {
+        for (sheet, row) in rows().filter(|(_, row)| row.access == Access::WriteOnly) {
+            let volatile = row.storage == object_dictionary::Storage::Volatile;
+            assert!(volatile, "{} {:?}", sheet.file, row.id);
+        }
+    }
+}
