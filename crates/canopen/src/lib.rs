@@ -14,7 +14,7 @@
 //! |---|---|
 //! | NMT slave, boot-up, self-start (0x1F80) | all commands; a reset is an event for the core above |
 //! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
-//! | SDO server | one; expedited and segmented, both ways |
+//! | SDO server | one; expedited and segmented, in blocks where [`Settings::block_transfer`] asks for it; both ways |
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
 //! | | receive: types 0 to 240, 254, 255; deadline, fixed mapping |
 //! | SYNC | consumer |
@@ -34,7 +34,7 @@
 //! clients that do not wait for their answers, and emergencies in great number, can fill it.
 //!
 //! **Bad input.** Every frame is defined input. One that is no request for this node changes
-//! nothing; one that is has exactly one answer.
+//! nothing; one that is has exactly one answer, the segments of a block excepted.
 #![no_std]
 
 mod application;
@@ -59,5 +59,6 @@ pub use node::{Accepted, Event, Node};
 pub use outbox::TRANSMIT_MAX;
 pub use sdo::AbortCode;
 pub use settings::{
-    AbortCodes, AdditionalInformation, Emergency, Expedited, ReceiveErrors, Settings, Trigger,
+    AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, ReceiveErrors,
+    Settings, Trigger,
 };

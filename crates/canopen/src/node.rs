@@ -252,6 +252,9 @@ impl<const LEN: usize> Node<LEN> {
     /// Takes the frame out that [`Self::peek_transmit`] shows.
     pub fn take_transmit(&mut self) -> Option<Frame> {
         let frame = self.outbox.take();
+        if frame.is_some_and(|frame| frame.id() == Service::SdoResponse.id(self.node_id)) {
+            self.send_segment();
+        }
         if self.outbox.peek().is_none() && matches!(self.overflow, Overflow::Reported) {
             self.overflow = Overflow::Reportable { lost_before: self.outbox.lost() };
         }
@@ -390,13 +393,14 @@ impl<const LEN: usize> Node<LEN> {
         if !self.state.serves_sdo() {
             return;
         }
-        let Some(request) = sdo::Request::parse(frame.data()) else { return };
+        let Some(request) = self.sdo.parse(frame.data()) else { return };
         let mut objects = Objects::new(&mut self.values, application, self.settings);
         let response = self.sdo.handle(now, request, &mut objects);
         let changed = objects.changed();
         if let Some(response) = response {
             self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
         }
+        self.send_segment();
         if let Some(slot) = changed {
             self.note_change(now, slot);
             self.handle_timeout(now);
@@ -407,6 +411,17 @@ impl<const LEN: usize> Node<LEN> {
     fn lss_slave(&mut self) -> Option<&mut lss::Slave> {
         let is_up = self.state != State::Initialising;
         self.lss.as_mut().filter(|_| is_up)
+    }
+
+    /// One segment of a block waits for a mailbox at a time: a block may have more of them than
+    /// frames can wait.
+    fn send_segment(&mut self) {
+        let id = Service::SdoResponse.id(self.node_id);
+        if !self.outbox.holds(id)
+            && let Some(segment) = self.sdo.next_segment()
+        {
+            self.outbox.push(Frame::full(id, segment));
+        }
     }
 
     fn follow(&mut self, reaction: lss::Reaction) {

@@ -2,7 +2,7 @@ use core::mem;
 
 use heapless::Vec;
 
-use crate::frame::Frame;
+use crate::frame::{CanId, Frame};
 
 /// Frames that may wait for a transmit mailbox at the same time.
 pub const TRANSMIT_MAX: usize = 16;
@@ -70,6 +70,11 @@ impl Outbox {
         self.boot_up.take().or_else(|| self.frames.pop())
     }
 
+    /// Whether a frame with this identifier waits.
+    pub(crate) fn holds(&self, id: CanId) -> bool {
+        self.frames.iter().any(|frame| frame.id() == id)
+    }
+
     /// How many frames were dropped because the list was full.
     pub(crate) const fn lost(&self) -> u32 {
         self.lost
@@ -98,7 +103,6 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
-    use crate::frame::CanId;
 
     fn frame(id: u16, byte: u8) -> Frame {
         Frame::single(CanId::new(id).unwrap(), byte)

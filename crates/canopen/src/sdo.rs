@@ -1,4 +1,5 @@
 mod abort;
+mod block;
 mod objects;
 mod request;
 mod response;
@@ -6,5 +7,4 @@ mod server;
 
 pub use abort::AbortCode;
 pub(crate) use objects::Objects;
-pub(crate) use request::Request;
 pub(crate) use server::Server;

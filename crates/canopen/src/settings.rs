@@ -16,6 +16,8 @@ pub struct Settings {
     pub expedited: Expedited,
     /// The emergency messages about receive PDOs.
     pub receive_errors: ReceiveErrors,
+    /// Whether clients may transfer values in blocks.
+    pub block_transfer: BlockTransfer,
     /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
     pub additional_information: AdditionalInformation,
     /// How layer setting services are served; `None` without.
@@ -75,6 +77,15 @@ pub enum AdditionalInformation {
     LastByte,
 }
 
+/// Whether clients may transfer values in blocks (CiA 301 leaves it to the product).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockTransfer {
+    /// Both ways, with a checksum where the client asks for it.
+    Served,
+    /// The commands are unknown.
+    Unknown,
+}
+
 /// The abort codes that products choose differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AbortCodes {
@@ -108,6 +119,7 @@ impl Settings {
             value: None,
             overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
         },
+        block_transfer: BlockTransfer::Unknown,
         additional_information: AdditionalInformation::FirstTwoBytes,
         lss: None,
         abort_codes: AbortCodes {

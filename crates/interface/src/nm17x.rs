@@ -1,8 +1,8 @@
 //! The ways of the NM17x on the bus.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, Emergency, Expedited, ReceiveErrors, Settings,
-    Trigger,
+    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited,
+    ReceiveErrors, Settings, Trigger,
 };
 use units::Duration;
 
@@ -19,6 +19,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         value: Some(Emergency { code: 0x8220, manufacturer: [0, 0, 0, 0, 3] }),
         overdue: None,
     },
+    block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: None,
     abort_codes: AbortCodes {

@@ -10,6 +10,12 @@ impl AbortCode {
     pub const TOGGLE: Self = Self(0x0503_0000);
     /// The client let the transfer wait too long.
     pub const TIMEOUT: Self = Self(0x0504_0000);
+    /// The block size is not 1 to 127.
+    pub const BLOCK_SIZE: Self = Self(0x0504_0002);
+    /// The client has a segment that was not sent.
+    pub const SEQUENCE_NUMBER: Self = Self(0x0504_0003);
+    /// The checksum of a block transfer is wrong.
+    pub const CRC: Self = Self(0x0504_0004);
     /// The command byte is unknown, or does not belong here.
     pub const UNKNOWN_COMMAND: Self = Self(0x0504_0001);
     /// The transfer does not fit the memory for it.

@@ -1,5 +1,8 @@
 use object_dictionary::ObjectId;
 
+use super::block;
+use crate::frame::DATA_MAX;
+
 /// Data bytes in an SDO segment.
 pub(super) const SEGMENT_LEN: usize = 7;
 
@@ -18,6 +21,7 @@ pub(super) enum Command {
     DownloadExpedited(Expedited),
     Download { size: Option<u32> },
     DownloadSegment(Segment),
+    Block(block::Command),
     Abort,
     Unknown,
 }
@@ -47,6 +51,18 @@ impl Segment {
 }
 
 impl Request {
+    /// Where segments of a block are expected every whole frame is one, except the abort.
+    pub(super) fn parse_segment(data: &[u8]) -> Option<Self> {
+        let frame: [u8; DATA_MAX] = data.try_into().ok()?;
+        let [command, index_low, index_high, sub, ..] = frame;
+        let object = ObjectId { index: u16::from_le_bytes([index_low, index_high]), sub };
+        let command = match command {
+            0x80 => Command::Abort,
+            _ => Command::Block(block::Command::segment(frame)),
+        };
+        Some(Self { object, command })
+    }
+
     /// Every frame is a request, except one that is shorter than its own command says: `None`.
     pub(crate) fn parse(data: &[u8]) -> Option<Self> {
         let dlc = u8::try_from(data.len()).ok()?;
@@ -74,10 +90,16 @@ impl Request {
             0x60 | 0x70 => Command::UploadSegment { toggle: command & TOGGLE != 0 },
             0x00..=0x1F => Command::DownloadSegment(segment(command, data)?),
             0x80 => Command::Abort,
+            0xA0..=0xDF => block(data).map_or(Command::Unknown, Command::Block),
             _ => Command::Unknown,
         };
         Some(Self { object, command })
     }
+}
+
+/// `None` when the frame is not whole or no request of a block transfer.
+fn block(data: &[u8]) -> Option<block::Command> {
+    block::Command::parse(data.try_into().ok()?)
 }
 
 const TOGGLE: u8 = 1 << 4;
@@ -132,7 +154,8 @@ mod tests {
             (0x21, 7, None),
             (0x70, 8, Some(Command::UploadSegment { toggle: true })),
             (0x80, 8, Some(Command::Abort)),
-            (0xA0, 8, Some(Command::Unknown)),
+            (0xA0, 7, Some(Command::Unknown)),
+            (0xE0, 8, Some(Command::Unknown)),
             (0x41, 8, Some(Command::Unknown)),
         ] {
             let frame = [command, 0x05, 0x20, 0x07, 1, 2, 3, 4];

@@ -1,6 +1,7 @@
 use object_dictionary::ObjectId;
 
 use super::abort::AbortCode;
+use super::block;
 use super::request::SEGMENT_LEN;
 use crate::frame::DATA_MAX;
 
@@ -18,6 +19,8 @@ pub(crate) enum Response {
     Download { object: ObjectId },
     /// The segment arrived.
     DownloadSegment { toggle: bool },
+    /// A step of a block transfer.
+    Block { object: ObjectId, response: block::Response },
     /// The transfer failed.
     Abort { object: ObjectId, code: AbortCode },
 }
@@ -35,6 +38,10 @@ impl Response {
             }
             Self::Download { object } => initiate(0x60, object, [0; 4]),
             Self::DownloadSegment { toggle } => [0x20 | (toggle as u8) << 4, 0, 0, 0, 0, 0, 0, 0],
+            Self::Block { object, response } => {
+                let [low, high] = object.index.to_le_bytes();
+                response.encode([low, high, object.sub])
+            }
             Self::Abort { object, code } => initiate(0x80, object, code.get().to_le_bytes()),
         }
     }

@@ -3,11 +3,13 @@ use object_dictionary::ObjectId;
 use units::{Duration, Instant};
 
 use super::abort::AbortCode;
+use super::block;
 use super::objects::{Entry, Objects};
 use super::request::{Command, Expedited, Request, SEGMENT_LEN, Segment};
 use super::response::Response;
 use crate::application::Application;
-use crate::settings;
+use crate::frame::DATA_MAX;
+use crate::settings::{self, BlockTransfer};
 
 /// A segmented transfer whose client stays silent for this long is given up.
 const SEGMENT_TIMEOUT: Duration = Duration::from_millis(1_000);
@@ -15,9 +17,11 @@ const SEGMENT_TIMEOUT: Duration = Duration::from_millis(1_000);
 /// Longest value that can be downloaded in segments, in bytes.
 const DOWNLOAD_MAX: usize = 32;
 
-/// The SDO server (CiA 301, section 7.2.4): expedited and segmented transfers, one at a time.
+/// The SDO server (CiA 301, section 7.2.4): expedited, segmented and block transfers, one at a
+/// time.
 ///
-/// Every request gets one answer: a response or an abort. The client's own abort and frames
+/// Every request gets one answer: a response or an abort; in a block transfer the segments that
+/// [`Self::next_segment`] has, or one answer to the block. The client's own abort and frames
 /// shorter than their command announces get none. A new initiate request in the middle of a
 /// transfer takes its place.
 #[derive(Debug, Default)]
@@ -37,12 +41,39 @@ struct Transfer {
 #[derive(Debug)]
 enum Direction {
     /// Bytes up to `offset` are sent.
-    Upload { offset: usize },
+    Upload {
+        offset: usize,
+    },
     /// These bytes have arrived.
-    Download { received: Vec<u8, DOWNLOAD_MAX> },
+    Download {
+        received: Vec<u8, DOWNLOAD_MAX>,
+    },
+    BlockUpload(block::Upload),
+    BlockDownload(block::Download),
 }
 
 impl Server {
+    /// The request in a frame, as it is to be read now. `None` for frames that are none.
+    pub(crate) fn parse(&self, data: &[u8]) -> Option<Request> {
+        let segment = self.transfer.as_ref().is_some_and(|transfer| match &transfer.direction {
+            Direction::BlockDownload(download) => download.expects_segment(),
+            Direction::BlockUpload(_) | Direction::Upload { .. } | Direction::Download { .. } => {
+                false
+            }
+        });
+        if segment { Request::parse_segment(data) } else { Request::parse(data) }
+    }
+
+    /// The next segment of a block on its way to the client, as soon as there is room for it.
+    pub(crate) fn next_segment(&mut self) -> Option<[u8; DATA_MAX]> {
+        match &mut self.transfer.as_mut()?.direction {
+            Direction::BlockUpload(upload) => upload.next_segment(),
+            Direction::BlockDownload(_) | Direction::Upload { .. } | Direction::Download { .. } => {
+                None
+            }
+        }
+    }
+
     /// Serves a request.
     pub(crate) fn handle<A: Application, const LEN: usize>(
         &mut self,
@@ -72,6 +103,20 @@ impl Server {
                 object = self.object().unwrap_or(object);
                 self.download_segment(now, &segment, objects)
             }
+            Command::Block(command) => match objects.settings().block_transfer {
+                BlockTransfer::Served => {
+                    object = match command {
+                        block::Command::Upload { .. } | block::Command::Download { .. } => object,
+                        block::Command::DownloadSegment(_)
+                        | block::Command::DownloadEnd { .. }
+                        | block::Command::UploadStart
+                        | block::Command::UploadAcknowledge { .. }
+                        | block::Command::UploadEnd => self.object().unwrap_or(object),
+                    };
+                    self.block(now, object, command, objects).transpose()?
+                }
+                BlockTransfer::Unknown => Err(AbortCode::UNKNOWN_COMMAND),
+            },
             Command::Abort => {
                 self.transfer = None;
                 return None;
@@ -111,6 +156,17 @@ impl Server {
         objects: &mut Objects<'_, A, LEN>,
     ) -> Result<Response, AbortCode> {
         let entry = objects.readable(object)?;
+        self.offer(now, entry, objects)
+    }
+
+    /// The value, or that it follows in segments.
+    fn offer<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        entry: Entry,
+        objects: &Objects<'_, A, LEN>,
+    ) -> Result<Response, AbortCode> {
+        let object = entry.row.id;
         let mut number = [0; 4];
         let bytes = objects.bytes(entry, &mut number);
         let len = u8::try_from(bytes.len()).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
@@ -200,6 +256,101 @@ impl Server {
             *expires_at = now + SEGMENT_TIMEOUT;
         }
         Ok(Response::DownloadSegment { toggle: segment.toggle })
+    }
+
+    /// `Ok(None)` when the client is to say more first, or the server sends segments.
+    fn block<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        object: ObjectId,
+        command: block::Command,
+        objects: &mut Objects<'_, A, LEN>,
+    ) -> Result<Option<Response>, AbortCode> {
+        let response = match command {
+            block::Command::Upload { crc, block_len, threshold } => {
+                self.transfer = None;
+                return self
+                    .block_upload(now, object, crc, block_len, threshold, objects)
+                    .map(Some);
+            }
+            block::Command::Download { size, crc } => {
+                self.download(now, object, size, objects)?;
+                let direction = Direction::BlockDownload(block::Download::new(crc));
+                if let Some(transfer) = &mut self.transfer {
+                    transfer.direction = direction;
+                }
+                Some(block::Response::Download)
+            }
+            block::Command::DownloadSegment(segment) => {
+                let (entry, download) = self.block_download()?;
+                let len = entry.row.data_type.len();
+                let taken = download.take(&segment, len);
+                taken.ok_or_else(|| objects.length_code(entry.row))?
+            }
+            block::Command::DownloadEnd { unused, crc } => {
+                let (entry, download) = self.block_download()?;
+                objects.write(entry, download.end(unused, crc)?)?;
+                self.transfer = None;
+                Some(block::Response::DownloadEnd)
+            }
+            block::Command::UploadStart => {
+                self.block_upload_in_progress()?.start()?;
+                None
+            }
+            block::Command::UploadAcknowledge { number, block_len } => {
+                self.block_upload_in_progress()?.acknowledge(number, block_len)?
+            }
+            block::Command::UploadEnd => {
+                self.block_upload_in_progress()?.end()?;
+                self.transfer = None;
+                None
+            }
+        };
+        if let Some(transfer) = &mut self.transfer {
+            transfer.expires_at = now + SEGMENT_TIMEOUT;
+        }
+        Ok(response.map(|response| Response::Block { object, response }))
+    }
+
+    /// A value no longer than the client's threshold goes without blocks.
+    fn block_upload<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        object: ObjectId,
+        crc: block::Crc,
+        block_len: u8,
+        threshold: u8,
+        objects: &mut Objects<'_, A, LEN>,
+    ) -> Result<Response, AbortCode> {
+        let entry = objects.readable(object)?;
+        let mut number = [0; 4];
+        let value = objects.bytes(entry, &mut number);
+        let upload = block::Upload::new(value, crc, block_len)?;
+        let size = u32::try_from(value.len()).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
+        if size <= u32::from(threshold) && threshold != 0 {
+            return self.offer(now, entry, objects);
+        }
+        self.begin(now, entry, Direction::BlockUpload(upload));
+        Ok(Response::Block { object, response: block::Response::Upload { size } })
+    }
+
+    fn block_upload_in_progress(&mut self) -> Result<&mut block::Upload, AbortCode> {
+        match self.transfer.as_mut().map(|transfer| &mut transfer.direction) {
+            Some(Direction::BlockUpload(upload)) => Ok(upload),
+            Some(
+                Direction::BlockDownload(_) | Direction::Upload { .. } | Direction::Download { .. },
+            )
+            | None => Err(AbortCode::UNKNOWN_COMMAND),
+        }
+    }
+
+    fn block_download(&mut self) -> Result<(Entry, &mut block::Download), AbortCode> {
+        match &mut self.transfer {
+            Some(Transfer { entry, direction: Direction::BlockDownload(download), .. }) => {
+                Ok((*entry, download))
+            }
+            Some(_) | None => Err(AbortCode::UNKNOWN_COMMAND),
+        }
     }
 
     fn begin(&mut self, now: Instant, entry: Entry, direction: Direction) {

@@ -2,8 +2,8 @@
 //! standard library can include it too.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, Application, Emergency, Expedited, Mapped, Node,
-    NodeId, ReadError, ReceiveErrors, Settings, Trigger, WriteError, Written,
+    AbortCode, AbortCodes, AdditionalInformation, Application, BlockTransfer, Emergency, Expedited,
+    Mapped, Node, NodeId, ReadError, ReceiveErrors, Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
 use units::Duration;
@@ -23,6 +23,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         value: Some(Emergency { code: 0x8220, manufacturer: [0, 0, 0, 0, 3] }),
         overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
     },
+    block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: None,
     abort_codes: AbortCodes {
