@@ -445,6 +445,26 @@ fn the_bus_gets_worse_and_recovers() {
     "#]]);
 }
 
+/// A-31, A-33: a restart of the communication ends no error that is still there.
+#[test]
+fn the_error_register_outlives_a_restart_of_the_communication() {
+    let mut script = Script::booted();
+    script.bus(BusState::Passive).send("000#82 7F").send("67F#40 01 10 00 00 00 00 00");
+    script.bus(BusState::Active);
+    script.expect(expect![[r#"
+        500   bus Passive
+        500   ->  0FF#20 81 11 00 00 00 00 00
+        500   <-  000#82 7F
+        500   ->  77F#00
+        500   MSP urgent StateLowered
+        500   do  FiltersChanged
+        500   <-  67F#40 01 10 00 00 00 00 00
+        500   ->  5FF#4F 01 10 00 11 00 00 00
+        500   bus Active
+        500   ->  0FF#00 00 00 00 00 00 00 00
+    "#]]);
+}
+
 /// Numbers that belong to nobody, or are not permitted, do no harm.
 #[test]
 fn only_own_and_permitted_numbers_are_restored() {
