@@ -491,13 +491,16 @@ fn the_bus_is_disturbed() {
     scene.note("held dominant").tell("can_fault", json!({ "stuck_dominant": true })).run_ms(500);
     scene.tell("can_fault", json!({ "stuck_dominant": false })).run_ms(2_000).frames();
     scene.sdo("2B 17 10 00 00 00 00 00").sdo("40 01 10 00 00 00 00 00");
-    check(&scene, expect![[r#"
+    check(
+        &scene,
+        expect![[r#"
         1002   ms  2B 17 10 00 0A 00 00 00 -> 60 17 10 00 00 00 00 00
         1002   ms  half of all frames fail
         2202   ms  held dominant
         4705   ms  2B 17 10 00 00 00 00 00 -> 60 17 10 00 00 00 00 00
         4707   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 00 00 00 00
-    "#]]);
+    "#]],
+    );
     assert_eq!(resets(&mut scene.bench), [1, 1]);
 }
 
@@ -515,13 +518,16 @@ fn two_devices_share_a_bus() {
     let other = scene.request("40 18 10 04 00 00 00 00");
     scene.node_id(2).sdo("40 04 60 00 00 00 00 00");
     assert_ne!(scene.request("40 18 10 04 00 00 00 00"), other, "serial numbers differ");
-    check(&scene, expect![[r#"
+    check(
+        &scene,
+        expect![[r#"
         1000   ms  77F#00
         2402   ms  702#00
         2402   ms  77F#00
         2504   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 90 01 00 00
         2508   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
-    "#]]);
+    "#]],
+    );
 }
 
 /// NM17x GEN-05, LSS-05, OD-2100-1: all nine bit rates, each after a restart.
