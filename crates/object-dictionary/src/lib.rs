@@ -6,7 +6,7 @@
 //!
 //! pub const LOOP_LENGTH: Object<u32> = Object::new(0x2002, 0, "Backlash loop length")
 //!     .read_write().within(0, 9_999).default(100).unit(Unit::HundredthMm);
-//! pub const POSITION: Object<i32> = Object::new(0x6004, 0, "Position value").read_only();
+//! pub const POSITION: Object<i32> = Object::new(0x6004, 0, "Position value");
 //!
 //! product! { pub LOOP_LENGTH, POSITION }
 //!

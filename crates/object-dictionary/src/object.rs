@@ -135,13 +135,6 @@ impl<T: Value> Object<T> {
         }
     }
 
-    /// Masters may only read it. This is also what a new object starts with.
-    #[must_use]
-    pub const fn read_only(mut self) -> Self {
-        self.row.access = Access::ReadOnly;
-        self
-    }
-
     /// Masters may read and write it.
     #[must_use]
     pub const fn read_write(mut self) -> Self {
