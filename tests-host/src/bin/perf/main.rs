@@ -54,7 +54,7 @@ fn spread_us(mut values: Vec<u64>) -> String {
 
 /// Pre-operational at 125 kbit/s: nobody turns, nobody asks.
 fn at_rest() -> Result<(), EngineError> {
-    const REST_MS: u64 = 10_000;
+    const REST_S: u32 = 10;
     let mut rig = Rig::new(BitRate::Kbit125)?;
     rig.run_ms(6_000)?;
     let before = rig.stats();
@@ -63,14 +63,14 @@ fn at_rest() -> Result<(), EngineError> {
         reason = "how fast the bench is, is a matter of real time"
     )]
     let started = std::time::Instant::now();
-    rig.run_ms(REST_MS)?;
+    rig.run_ms(u64::from(REST_S) * 1_000)?;
     let wall = started.elapsed().as_secs_f64();
     let after = rig.stats();
-    row("virtual seconds per wall second, one device", &format!("{:.1}", 10.0 / wall));
+    row("virtual seconds per wall second, one device", &format!("{:.1}", f64::from(REST_S) / wall));
     for (name, (before, after)) in ["stm", "msp"].iter().zip(before.iter().zip(&after)) {
-        let awake = (after.awake_us - before.awake_us) / 10_000_000.0;
+        let awake = (after.awake_us - before.awake_us) / (f64::from(REST_S) * 1e6);
         row(&format!("{name}: awake at rest"), &format!("{:.1} %", awake * 100.0));
-        let instructions = (after.instructions - before.instructions) / 10;
+        let instructions = (after.instructions - before.instructions) / u64::from(REST_S);
         row(&format!("{name}: instructions per second at rest"), &instructions.to_string());
         row(&format!("{name}: deepest stack"), &format!("{} bytes", after.stack_used));
     }
