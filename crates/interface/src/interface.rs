@@ -1,10 +1,7 @@
 use canopen::{Accepted, Frame, Node, NodeId, State};
 use heapless::Deque;
 use object_dictionary::{Access, Owner, Slot};
-use profiles::nm17x::{
-    BIT_RATE, CORRECTION, CORRECTION_ENABLED, ERRORS, NODE_ID, PDO_SETPOINT_CORRECTION_SENT,
-    POSITION_VALUE, SCALING, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
-};
+use profiles::nm17x::{BIT_RATE, NODE_ID, SERIAL_NUMBER, STATUS_REGISTER};
 use profiles::{OBJECTS_MAX, Product};
 use shared_proto::{Encoded, Hello, NodeState, PROTOCOL, ProcessData, Urgency};
 use units::{Duration, Instant};
@@ -12,8 +9,9 @@ use units::{Duration, Instant};
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
 use crate::nm17x::SETTINGS;
-use crate::objects::{Known, Objects, Outcome, is_live};
+use crate::objects::{Known, Objects, Outcome};
 use crate::record::Record;
+use crate::slots::Slots;
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
@@ -63,6 +61,7 @@ pub enum Event {
 #[derive(Debug)]
 pub struct Interface {
     product: &'static Product,
+    slots: Slots,
     node: Node<OBJECTS_MAX>,
     link: Link,
     /// Until when the boot-up message waits for the application's values.
@@ -92,6 +91,7 @@ impl Interface {
         let rows = position(first)..position(rows.len());
         let mut interface = Self {
             product,
+            slots: Slots::of(product.dictionary),
             node: Node::new(product.dictionary, DELIVERED_NODE_ID, &SETTINGS),
             link: Link::new(now, hello, rows, DELIVERED_NODE_ID.get()),
             boot_up_by: Some(now + BOOT_UP_AFTER),
@@ -136,9 +136,9 @@ impl Interface {
 
     /// A frame from the bus.
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
-        let scaling = self.node.values().get(&SCALING) != 0;
-        let known = Known { values: self.values_known, scaling };
-        let mut objects = Objects::new(&mut self.link, known);
+        let known =
+            Known { values: self.values_known, scaling: self.value(self.slots.scaling) != 0 };
+        let mut objects = Objects::new(&mut self.link, &self.slots, known);
         self.node.handle_frame(now, frame, &mut objects);
         match objects.outcome() {
             Outcome::Nothing => {}
@@ -329,20 +329,11 @@ impl Interface {
     }
 
     fn take_process_data(&mut self, now: Instant, process: &ProcessData) {
-        let find = |id| self.product.dictionary.find(id).ok();
-        let [position, status, errors, register] =
-            [POSITION_VALUE.id(), STATUS.id(), ERRORS.id(), STATUS_REGISTER.id()].map(find);
-        let values = [
-            (position, process.position_hundredths_mm.cast_unsigned()),
-            (status, process.status.into()),
-            (errors, process.errors.into()),
-            (register, process.status.into()),
-        ];
-        for (slot, raw) in values {
-            if let Some(slot) = slot {
-                self.node.set_value(now, slot, raw);
-            }
-        }
+        let Slots { position, status, errors, status_register, .. } = self.slots;
+        self.set_value(now, position, process.position_hundredths_mm.cast_unsigned());
+        self.set_value(now, status, process.status.into());
+        self.set_value(now, errors, process.errors.into());
+        self.set_value(now, status_register, process.status.into());
         self.set_condition(now, Condition::Application, process.errors != 0);
     }
 
@@ -350,7 +341,7 @@ impl Interface {
         for (position, &value) in (from..).zip(values) {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
-                Some(row) if row.owner != Owner::Application || is_live(row.id) => {}
+                Some(row) if row.owner != Owner::Application || self.slots.is_live(slot) => {}
                 Some(row) if self.link.is_writing(row.id) => {}
                 Some(row) if row.access != Access::ReadWrite || row.permits(value) => {
                     self.node.set_value(now, slot, value);
@@ -364,13 +355,20 @@ impl Interface {
 
     /// 0x2501:04: the correction in force, as far as 16 bits hold it.
     fn follow_correction(&mut self, now: Instant) {
-        let values = self.node.values();
-        let enabled = values.get(&CORRECTION_ENABLED) == 1;
-        let correction = if enabled { values.get(&CORRECTION) } else { 0 };
+        let enabled = self.value(self.slots.correction_enabled) == 1;
+        let correction = if enabled { self.value(self.slots.correction).cast_signed() } else { 0 };
         let sent =
             i16::try_from(correction).unwrap_or(if correction < 0 { i16::MIN } else { i16::MAX });
-        if let Ok(slot) = self.product.dictionary.find(PDO_SETPOINT_CORRECTION_SENT.id()) {
-            self.node.set_value(now, slot, sent.cast_unsigned().into());
+        self.set_value(now, self.slots.correction_sent, sent.cast_unsigned().into());
+    }
+
+    fn value(&self, slot: Option<Slot>) -> u32 {
+        slot.map_or(0, |slot| self.node.values().raw(slot))
+    }
+
+    fn set_value(&mut self, now: Instant, slot: Option<Slot>, raw: u32) {
+        if let Some(slot) = slot {
+            self.node.set_value(now, slot, raw);
         }
     }
 

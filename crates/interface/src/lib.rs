@@ -8,6 +8,7 @@ pub mod link;
 mod nm17x;
 mod objects;
 mod record;
+mod slots;
 
 pub use interface::{Boot, BusState, Event, Interface};
 pub use record::Record;

@@ -3,26 +3,20 @@
 
 use canopen::{Application, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
-use profiles::nm17x::{ERRORS, POSITION_VALUE, PRESET, RESET_FUNCTION, STATUS, STATUS_REGISTER};
+use profiles::nm17x::{PRESET, RESET_FUNCTION};
 
 use crate::link::{Kind, Link, QueueError};
 use crate::record::Record;
-
-/// What process data carry: known only as long as they arrive.
-const LIVE: [ObjectId; 4] = [POSITION_VALUE.id(), STATUS.id(), ERRORS.id(), STATUS_REGISTER.id()];
+use crate::slots::Slots;
 
 /// Writes that make something happen at the moment they are executed.
 const ACTIONS: [ObjectId; 2] = [PRESET.id(), RESET_FUNCTION.id()];
-
-/// Whether process data carry the object.
-pub(crate) fn is_live(object: ObjectId) -> bool {
-    LIVE.contains(&object)
-}
 
 /// The way to the holder of an object, for as long as one frame is handled.
 #[derive(Debug)]
 pub(crate) struct Objects<'a> {
     link: &'a mut Link,
+    slots: &'a Slots,
     known: Known,
     outcome: Outcome,
 }
@@ -49,8 +43,8 @@ pub(crate) enum Outcome {
 }
 
 impl<'a> Objects<'a> {
-    pub(crate) const fn new(link: &'a mut Link, known: Known) -> Self {
-        Self { link, known, outcome: Outcome::Nothing }
+    pub(crate) const fn new(link: &'a mut Link, slots: &'a Slots, known: Known) -> Self {
+        Self { link, slots, known, outcome: Outcome::Nothing }
     }
 
     pub(crate) const fn outcome(&self) -> Outcome {
@@ -59,8 +53,8 @@ impl<'a> Objects<'a> {
 }
 
 impl Application for Objects<'_> {
-    fn read(&mut self, _slot: Slot, row: &Row) -> Result<(), ReadError> {
-        let known = if is_live(row.id) {
+    fn read(&mut self, slot: Slot, row: &Row) -> Result<(), ReadError> {
+        let known = if self.slots.is_live(slot) {
             self.link.in_service()
         } else {
             row.owner == Owner::Interface || self.known.values
