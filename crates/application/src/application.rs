@@ -1,7 +1,7 @@
 use core::num::NonZeroU32;
 
 use lcd::View;
-use object_dictionary::ObjectId;
+use object_dictionary::{Number, ObjectId};
 use positioning::chain::{self, Correction, CountingDirection, Setpoint};
 use positioning::encoder::TurnOffset;
 use positioning::filter;
@@ -257,8 +257,7 @@ impl Application {
     /// What a write does besides changing the value. An error leaves everything as it was.
     fn act(&mut self, now: Instant, id: ObjectId, raw: u32) -> Result<(), NotPossible> {
         if id == nm17x::PRESET.id() {
-            let preset = nm17x::PRESET.row().data_type.number(raw);
-            let preset = i32::try_from(preset).map_err(|_| NotPossible)?;
+            let preset = Number::from_raw(raw);
             self.preset(Position::from_hundredths_mm(preset))
         } else if id == nm17x::RESET_FUNCTION.id() {
             self.reset(now, ResetFunction::from_raw(raw).ok_or(NotPossible)?)

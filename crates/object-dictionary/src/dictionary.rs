@@ -63,14 +63,14 @@ impl Dictionary {
     /// # Errors
     /// Says whether index or sub-index is missing.
     pub fn find(&self, id: ObjectId) -> Result<Slot, Missing> {
-        match self.rows.binary_search_by_key(&id.key(), |row| row.id.key()) {
-            Ok(found) => Ok(Slot(u16::try_from(found).unwrap_or(u16::MAX))),
-            Err(gap) => {
-                let neighbours = self.rows.get(gap.saturating_sub(1)..).unwrap_or(&[]);
-                let known = neighbours.iter().take(2).any(|row| row.id.index == id.index);
-                Err(if known { Missing::SubIndex } else { Missing::Object })
-            }
-        }
+        let first = self.rows.partition_point(|row| row.id.index < id.index);
+        let object = self.rows.get(first..).unwrap_or(&[]);
+        let sub = usize::from(id.sub);
+        let offset = match object.get(sub) {
+            Some(row) if row.id == id => sub,
+            Some(_) | None => search(object, id)?,
+        };
+        Ok(Slot(u16::try_from(first + offset).unwrap_or(u16::MAX)))
     }
 
     /// The place of an object that is known to be in this dictionary. For constants: panics when
@@ -111,15 +111,27 @@ impl Dictionary {
             hash = mix(hash, row.id.key());
             hash = mix(hash, (row.data_type.len() as u32) << 16 | access_word(row));
             hash = mix(hash, (row.storage as u32) << 8 | row.owner as u32);
-            hash = match row.default {
+            hash = match row.default() {
                 Default::Number(value) => mix(hash, value),
                 Default::NodeIdPlus(base) => mix(mix(hash, base), 1),
                 Default::Text(text) => mix(hash, text.len() as u32),
             };
-            hash = mix(mix(hash, row.limits.min as u32), row.limits.max as u32);
+            let limits = row.limits();
+            hash = mix(mix(hash, limits.min as u32), limits.max as u32);
             left = rest;
         }
         hash
+    }
+}
+
+/// How far behind the first entry of its object an entry lies whose sub-index does not say it,
+/// since others are left out before it.
+#[cold]
+fn search(object: &[Row], id: ObjectId) -> Result<usize, Missing> {
+    let mut entries = object.iter().take_while(|row| row.id.index == id.index);
+    match entries.clone().next() {
+        Some(_) => entries.position(|row| row.id.sub == id.sub).ok_or(Missing::SubIndex),
+        None => Err(Missing::Object),
     }
 }
 
@@ -136,12 +148,14 @@ const fn check(row: &Row) {
         return;
     }
     if matches!(row.access, Access::ReadOnly) {
-        assert!(matches!(row.write_state, WriteState::Any), "written, but read only");
+        let in_some_state = matches!(row.write_state, WriteState::PreOperational);
+        assert!(!in_some_state, "written, but read only");
     }
-    if let Default::Number(value) = row.default {
+    if let Default::Number(value) = row.default() {
         let number = row.data_type.number(value);
-        let mut fits = row.limits.min <= number && number <= row.limits.max;
-        let mut also = row.limits.also;
+        let limits = row.limits();
+        let mut fits = limits.min <= number && number <= limits.max;
+        let mut also = limits.also;
         while let [(first, last), rest @ ..] = also {
             fits = fits || *first <= number && number <= *last;
             also = rest;
@@ -163,6 +177,7 @@ const fn mix(hash: u32, word: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::row;
 
     const FIRST: Object<u8> = Object::highest_sub_index(0x2000, "First", 2);
     const FIRST_ONE: Object<u32> = Object::new(0x2000, 1, "One").read_write().within(0, 1);
@@ -200,7 +215,8 @@ mod tests {
 
     #[test]
     fn a_command_may_answer_with_what_can_not_be_written() {
-        static JOG: Row = Object::<u8>::new(0x204D, 3, "Jog").read_write().within(11, 13).row();
+        const JOG_COMMAND: Object<u8> = Object::new(0x204D, 3, "Jog").read_write().within(11, 13);
+        static JOG: Row = row!(JOG_COMMAND);
         assert_eq!((JOG.initial(1), JOG.permits(0), JOG.permits(11)), (0, false, true));
         assert_eq!(Dictionary::new(core::slice::from_ref(&JOG)).rows().len(), 1);
     }
@@ -208,15 +224,15 @@ mod tests {
     #[test]
     fn the_fingerprint_follows_every_field() {
         static ROWS: [Row; 9] = [
-            FIRST_ONE.written_in_pre_operational().row(),
-            FIRST_ONE.row(),
-            Object::<u32>::new(0x2001, 1, "").read_write().within(0, 1).row(),
-            Object::<u16>::new(0x2000, 1, "").read_write().within(0, 1).row(),
-            Object::<u32>::new(0x2000, 1, "").within(0, 1).row(),
-            FIRST_ONE.stored_at_once().row(),
-            FIRST_ONE.held_by_interface().row(),
-            FIRST_ONE.default(1).row(),
-            FIRST_ONE.within(0, 2).row(),
+            row!(FIRST_ONE.written_in_pre_operational()),
+            row!(FIRST_ONE),
+            row!(Object::<u32>::new(0x2001, 1, "").read_write().within(0, 1)),
+            row!(Object::<u16>::new(0x2000, 1, "").read_write().within(0, 1)),
+            row!(Object::<u32>::new(0x2000, 1, "").within(0, 1)),
+            row!(FIRST_ONE.stored_at_once()),
+            row!(FIRST_ONE.held_by_interface()),
+            row!(FIRST_ONE.default(1)),
+            row!(FIRST_ONE.within(0, 2)),
         ];
         let alone = |row: &'static Row| Dictionary::new(core::slice::from_ref(row)).fingerprint();
         let variants = ROWS.each_ref().map(alone);

@@ -28,16 +28,25 @@ mod values;
 pub use dictionary::{Dictionary, Missing, Slot};
 pub use object::{Listing, Number, Object, Text, Unit, Value};
 pub use row::{
-    Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage, WriteState,
+    Access, DataType, Default, Limits, ObjectId, OutOfLimits, Owner, Particulars, PdoMapping, Row,
+    Storage, WriteState,
 };
 pub use values::Values;
+
+/// The row of a constant object.
+#[macro_export]
+macro_rules! row {
+    ($object:expr) => {
+        $object.row(const { &$object.particulars() })
+    };
+}
 
 /// Lists the objects of a product in ascending order. Makes `LEN`, the `DICTIONARY` with its
 /// `FINGERPRINT` and, apart from it, the `TEXTS`, all with the visibility given first.
 #[macro_export]
 macro_rules! product {
     ($vis:vis $($object:path),+ $(,)?) => {
-        const ROWS: &[$crate::Row] = &[$($object.row()),+];
+        const ROWS: &[$crate::Row] = &[$($crate::row!($object)),+];
 
         /// How many entries the product has.
         $vis const LEN: usize = ROWS.len();

@@ -1,7 +1,7 @@
 use core::marker::PhantomData;
 
 use crate::row::{
-    Access, DataType, Default, Limits, ObjectId, Owner, PdoMapping, Row, Storage, WriteState,
+    Access, DataType, ObjectId, Owner, Particulars, PdoMapping, Row, Start, Storage, WriteState,
 };
 
 /// A Rust type that an entry can hold.
@@ -108,6 +108,7 @@ pub struct Text {
 #[derive(Clone, Copy, Debug)]
 pub struct Object<T> {
     row: Row,
+    particulars: Particulars,
     text: Text,
     value: PhantomData<fn() -> T>,
 }
@@ -117,7 +118,6 @@ impl<T: Value> Object<T> {
     /// says and zero.
     #[must_use]
     pub const fn new(index: u16, sub: u8, name: &'static str) -> Self {
-        let (min, max) = T::DATA_TYPE.span();
         Self {
             row: Row {
                 id: ObjectId { index, sub },
@@ -127,12 +127,29 @@ impl<T: Value> Object<T> {
                 storage: Storage::Volatile,
                 owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
                 pdo: PdoMapping::No,
-                default: Default::Number(0),
-                limits: Limits { min, max, also: &[] },
+                start: Start::Number,
+                number: 0,
+                particulars: None,
             },
+            particulars: Self::plain(),
             text: Text { name, unit: Unit::None, listing: Listing::Everywhere },
             value: PhantomData,
         }
+    }
+
+    /// All numbers of the type, and no text.
+    const fn plain() -> Particulars {
+        let (min, max) = T::DATA_TYPE.span();
+        Particulars { lowest: Self::rank(min), highest: Self::rank(max), also: &[], text: "" }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the callers check against the span of the type"
+    )]
+    const fn rank(number: i64) -> u32 {
+        T::DATA_TYPE.rank(number as u32)
     }
 
     /// Masters may read and write it.
@@ -156,10 +173,10 @@ impl<T: Value> Object<T> {
         self
     }
 
-    /// Only a receive PDO writes it; a write with SDO is refused in every state.
+    /// A write with SDO is refused in every state as an access that is not supported.
     #[must_use]
-    pub const fn written_by_pdo_only(mut self) -> Self {
-        self.row.write_state = WriteState::PdoOnly;
+    pub const fn not_written_with_sdo(mut self) -> Self {
+        self.row.write_state = WriteState::NotWithSdo;
         self
     }
 
@@ -197,14 +214,15 @@ impl<T: Value> Object<T> {
     pub const fn within(mut self, min: i64, max: i64) -> Self {
         let (lowest, highest) = T::DATA_TYPE.span();
         assert!(lowest <= min && min <= max && max <= highest, "limits outside the type");
-        self.row.limits = Limits { min, max, also: self.row.limits.also };
+        self.particulars.lowest = Self::rank(min);
+        self.particulars.highest = Self::rank(max);
         self
     }
 
     /// Besides the span of [`Self::within`], these spans may be written.
     #[must_use]
     pub const fn or_within(mut self, also: &'static [(i64, i64)]) -> Self {
-        self.row.limits.also = also;
+        self.particulars.also = also;
         self
     }
 
@@ -218,14 +236,16 @@ impl<T: Value> Object<T> {
     pub const fn default(mut self, value: i64) -> Self {
         let (lowest, highest) = T::DATA_TYPE.span();
         assert!(lowest <= value && value <= highest, "default outside the type");
-        self.row.default = Default::Number(value as u32);
+        self.row.start = Start::Number;
+        self.row.number = value as u32;
         self
     }
 
     /// The value at delivery follows the node-ID: `base` plus node-ID.
     #[must_use]
     pub const fn default_node_id_plus(mut self, base: u32) -> Self {
-        self.row.default = Default::NodeIdPlus(base);
+        self.row.start = Start::NodeIdPlus;
+        self.row.number = base;
         self
     }
 
@@ -233,7 +253,8 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn default_text(mut self, text: &'static str) -> Self {
         assert!(text.len() == T::DATA_TYPE.len(), "the text does not have the object's length");
-        self.row.default = Default::Text(text);
+        self.row.start = Start::Text;
+        self.particulars.text = text;
         self
     }
 
@@ -257,10 +278,22 @@ impl<T: Value> Object<T> {
         self.row.id
     }
 
-    /// The row of the table.
+    /// The row of the table; [`row!`](crate::row) gives it what [`Self::particulars`] has.
     #[must_use]
-    pub const fn row(&self) -> Row {
-        self.row
+    pub const fn row(&self, particulars: &'static Particulars) -> Row {
+        let Particulars { lowest, highest, also, text } = *particulars;
+        let plain = Self::plain();
+        let needed = lowest != plain.lowest
+            || highest != plain.highest
+            || !also.is_empty()
+            || !text.is_empty();
+        Row { particulars: if needed { Some(particulars) } else { None }, ..self.row }
+    }
+
+    /// What goes beside the row.
+    #[must_use]
+    pub const fn particulars(&self) -> Particulars {
+        self.particulars
     }
 
     /// What only people read.
@@ -274,6 +307,6 @@ impl Object<u8> {
     /// Sub-index 0 of a record or array: the highest sub-index.
     #[must_use]
     pub const fn highest_sub_index(index: u16, name: &'static str, highest: u8) -> Self {
-        Self::new(index, 0, name).within(highest as i64, highest as i64).default(highest as i64)
+        Self::new(index, 0, name).default(highest as i64)
     }
 }

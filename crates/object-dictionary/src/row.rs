@@ -44,8 +44,9 @@ pub enum WriteState {
     Any,
     /// In Pre-operational alone.
     PreOperational,
-    /// In none with SDO: the value comes with a receive PDO.
-    PdoOnly,
+    /// With SDO in none, which is refused as an access that is not supported: the value comes with
+    /// a receive PDO, or not from masters at all.
+    NotWithSdo,
 }
 
 /// Where a value survives.
@@ -103,7 +104,19 @@ pub struct Limits {
     pub also: &'static [(i64, i64)],
 }
 
-/// One entry of a dictionary, as an image needs it.
+/// Why a number may not be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutOfLimits {
+    /// It lies above the only span.
+    Above,
+    /// It lies below the only span.
+    Below,
+    /// It lies in none of several spans.
+    Beside,
+}
+
+/// One entry of a dictionary, as an image needs it: 20 bytes on a controller of 32 bits, and more
+/// only where there are [`Particulars`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
     /// Index and sub-index.
@@ -120,10 +133,30 @@ pub struct Row {
     pub owner: Owner,
     /// Whether PDOs may carry it.
     pub pdo: PdoMapping,
-    /// Value at delivery.
-    pub default: Default,
-    /// What may be written.
-    pub limits: Limits,
+    pub(crate) start: Start,
+    pub(crate) number: u32,
+    pub(crate) particulars: Option<&'static Particulars>,
+}
+
+/// How an entry starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Start {
+    /// With the number of the row.
+    Number,
+    /// With the number of the row plus the node-ID.
+    NodeIdPlus,
+    /// With the text of the particulars.
+    Text,
+}
+
+/// What few rows have: limits narrower than their type, and a text at delivery.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Particulars {
+    /// Ends of the main span, in the order of the type (see [`DataType::rank`]).
+    pub(crate) lowest: u32,
+    pub(crate) highest: u32,
+    pub(crate) also: &'static [(i64, i64)],
+    pub(crate) text: &'static str,
 }
 
 impl ObjectId {
@@ -152,23 +185,45 @@ impl DataType {
         self.len() == 0
     }
 
-    /// The number that the low bytes of `raw` are in this type. Texts have none: zero.
+    /// The number that the low bytes of `raw` are in this type, in 32 bits (two's complement).
+    /// Texts have none: zero.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
         reason = "the casts are how a type reads its own low bytes"
     )]
-    pub const fn number(self, raw: u32) -> i64 {
+    pub const fn widen(self, raw: u32) -> u32 {
         match self {
-            Self::Unsigned8 => raw as u8 as i64,
-            Self::Unsigned16 => raw as u16 as i64,
-            Self::Unsigned32 => raw as i64,
-            Self::Integer8 => raw as u8 as i8 as i64,
-            Self::Integer16 => raw as u16 as i16 as i64,
-            Self::Integer32 => raw as i32 as i64,
+            Self::Unsigned8 => raw as u8 as u32,
+            Self::Unsigned16 => raw as u16 as u32,
+            Self::Unsigned32 | Self::Integer32 => raw,
+            Self::Integer8 => raw as u8 as i8 as u32,
+            Self::Integer16 => raw as u16 as i16 as u32,
             Self::VisibleString(_) => 0,
         }
+    }
+
+    /// The number that the low bytes of `raw` are in this type. Texts have none: zero.
+    #[must_use]
+    pub const fn number(self, raw: u32) -> i64 {
+        let widened = self.widen(raw);
+        if self.is_signed() { widened.cast_signed() as i64 } else { widened as i64 }
+    }
+
+    /// A place among the numbers of the type: the greater the number, the greater its rank.
+    pub(crate) const fn rank(self, widened: u32) -> u32 {
+        if self.is_signed() { widened ^ 1 << 31 } else { widened }
+    }
+
+    const fn is_signed(self) -> bool {
+        matches!(self, Self::Integer8 | Self::Integer16 | Self::Integer32)
+    }
+
+    /// The number with this rank.
+    const fn ranked(self, rank: u32) -> i64 {
+        self.number(self.rank(rank))
     }
 
     /// The smallest and the largest number of the type.
@@ -186,29 +241,90 @@ impl DataType {
     }
 }
 
-impl Limits {
-    /// Whether `value` lies in one of the spans.
-    #[must_use]
-    pub fn permit(&self, value: i64) -> bool {
-        (self.min..=self.max).contains(&value)
-            || self.also.iter().any(|&(first, last)| (first..=last).contains(&value))
-    }
-}
-
 impl Row {
     /// Whether a master may write the number `raw` holds.
     #[must_use]
     pub fn permits(&self, raw: u32) -> bool {
-        self.limits.permit(self.data_type.number(raw))
+        self.check(raw).is_ok()
+    }
+
+    /// Whether a master may write the number `raw` holds.
+    ///
+    /// # Errors
+    /// Says where the number lies instead.
+    pub fn check(&self, raw: u32) -> Result<(), OutOfLimits> {
+        match self.particulars {
+            Some(particulars) => particulars.check(self.data_type, raw),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether all numbers of the type may be written.
+    #[must_use]
+    pub const fn is_unlimited(&self) -> bool {
+        self.particulars.is_none()
+    }
+
+    /// The numbers that may be written.
+    #[must_use]
+    pub const fn limits(&self) -> Limits {
+        match self.particulars {
+            Some(&Particulars { lowest, highest, also, .. }) => Limits {
+                min: self.data_type.ranked(lowest),
+                max: self.data_type.ranked(highest),
+                also,
+            },
+            None => {
+                let (min, max) = self.data_type.span();
+                Limits { min, max, also: &[] }
+            }
+        }
+    }
+
+    /// The value at delivery.
+    #[must_use]
+    pub const fn default(&self) -> Default {
+        match self.start {
+            Start::Number => Default::Number(self.number),
+            Start::NodeIdPlus => Default::NodeIdPlus(self.number),
+            Start::Text => Default::Text(self.text()),
+        }
+    }
+
+    /// The text at delivery; an empty one where there is none.
+    #[must_use]
+    pub const fn text(&self) -> &'static str {
+        match self.particulars {
+            Some(particulars) => particulars.text,
+            None => "",
+        }
     }
 
     /// The number an entry starts with on a device with this node-ID. Texts have none: zero.
     #[must_use]
     pub const fn initial(&self, node_id: u8) -> u32 {
-        match self.default {
-            Default::Number(value) => value,
-            Default::NodeIdPlus(base) => base + node_id as u32,
-            Default::Text(_) => 0,
+        match self.start {
+            Start::Number | Start::Text => self.number,
+            Start::NodeIdPlus => self.number + node_id as u32,
         }
     }
 }
+
+impl Particulars {
+    fn check(&self, data_type: DataType, raw: u32) -> Result<(), OutOfLimits> {
+        let rank = data_type.rank(data_type.widen(raw));
+        if (self.lowest..=self.highest).contains(&rank) {
+            return Ok(());
+        }
+        if self.also.is_empty() {
+            return Err(if rank > self.highest { OutOfLimits::Above } else { OutOfLimits::Below });
+        }
+        let number = data_type.number(raw);
+        let fits = self.also.iter().any(|&(first, last)| (first..=last).contains(&number));
+        if fits { Ok(()) } else { Err(OutOfLimits::Beside) }
+    }
+}
+
+/// The bytes of a row count for each of some hundred of them.
+#[cfg(target_pointer_width = "32")]
+const _: () = assert!(size_of::<Row>() == 20);

@@ -255,7 +255,7 @@ pub const HIDE_TARGET: Object<u8> =
 /// Bit 0 target valid, 1 blinking, 4 green, 5 red (A-12, A-13).
 pub const CONTROL_BYTE: Object<u8> = number(0x5F0C, 0, "Control byte")
     .write_only()
-    .written_by_pdo_only()
+    .not_written_with_sdo()
     .held_by_interface()
     .mappable(Receive);
 /// Largest deviation from the target that is in position.
@@ -285,7 +285,7 @@ pub const LOOP_DIRECTION: Object<u32> = number(0x5F15, 0, "Loop direction")
 /// Where to position (A-17).
 pub const TARGET_VALUE: Object<i32> = number(0x5F16, 0, "Target value")
     .read_write()
-    .written_by_pdo_only()
+    .not_written_with_sdo()
     .held_by_interface()
     .mappable(Receive);
 /// What keeps [`HEARTBEAT_TIMER`] from ending: 0 a receive PDO, 1 SYNC (A-02).
@@ -297,7 +297,7 @@ pub const HEARTBEAT_SOURCE: Object<u8> = number(0x5F18, 0, "External heartbeat s
     .default(1);
 /// Bits: AP04 A-14 to A-16.
 pub const STATUS_BYTE: Object<u8> =
-    number(0x5F19, 0, "AP04 status byte").within(0, 0x7F).mappable(Transmit);
+    number(0x5F19, 0, "AP04 status byte").not_written_with_sdo().within(0, 0x7F).mappable(Transmit);
 /// Turn back that is not yet a reversal (A-53).
 pub const HYSTERESIS: Object<u32> =
     number(0x5F1A, 0, "Hysteresis for reversal detection").read_write().stored_at_once();

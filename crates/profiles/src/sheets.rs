@@ -160,7 +160,7 @@ mod tests {
     }
 
     fn number(row: &Row) -> Option<u32> {
-        match row.default {
+        match row.default() {
             Default::Number(number) => Some(number),
             Default::NodeIdPlus(_) | Default::Text(_) => None,
         }

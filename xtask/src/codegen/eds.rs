@@ -177,7 +177,7 @@ fn variable(eds: &mut String, sheet: &Sheet, row: &Row, name: &str) {
         data_type(row.data_type),
         access(row)
     );
-    let (lowest, highest) = hull(row.limits);
+    let (lowest, highest) = hull(row.limits());
     if let Some(value) = default(sheet, row) {
         let _ = writeln!(eds, "DefaultValue={value}");
     }
@@ -218,7 +218,7 @@ fn default(sheet: &Sheet, row: &Row) -> Option<String> {
     if row.access == Access::WriteOnly {
         return None;
     }
-    match row.default {
+    match row.default() {
         Default::Text(text) => Some(text.to_owned()),
         Default::NodeIdPlus(base) => Some(format!("$NODEID+0x{base:X}")),
         Default::Number(raw) if maps_nothing(sheet, row, raw) => None,
@@ -244,8 +244,8 @@ fn hull(limits: Limits) -> (i64, i64) {
 /// Limits are those of a write with SDO. They are left out where the entry reads a state that they
 /// do not hold, such as the 0 of a drive at rest.
 fn has_limits(row: &Row) -> bool {
-    let (lowest, highest) = hull(row.limits);
-    let holds_default = match (row.access, row.default) {
+    let (lowest, highest) = hull(row.limits());
+    let holds_default = match (row.access, row.default()) {
         (Access::WriteOnly, _) | (_, Default::NodeIdPlus(_) | Default::Text(_)) => true,
         (Access::ReadOnly | Access::ReadWrite, Default::Number(raw)) => {
             (lowest..=highest).contains(&row.data_type.number(raw))
@@ -254,7 +254,7 @@ fn has_limits(row: &Row) -> bool {
     let answers_with_state =
         row.access == Access::ReadWrite && row.storage == Storage::Volatile && lowest == highest;
     row.access != Access::ReadOnly
-        && row.write_state != WriteState::PdoOnly
+        && row.write_state != WriteState::NotWithSdo
         && (lowest, highest) != row.data_type.span()
         && holds_default
         && !answers_with_state

@@ -62,15 +62,15 @@ const fn access(row: &Row) -> &'static str {
         (Access::ReadOnly, _) => "ro",
         (Access::WriteOnly, WriteState::Any) => "wo",
         (Access::WriteOnly, WriteState::PreOperational) => "wo, Pre-operational",
-        (Access::WriteOnly, WriteState::PdoOnly) => "written by PDO only",
+        (Access::WriteOnly, WriteState::NotWithSdo) => "written by PDO only",
         (Access::ReadWrite, WriteState::Any) => "rw",
         (Access::ReadWrite, WriteState::PreOperational) => "rw, written in Pre-operational",
-        (Access::ReadWrite, WriteState::PdoOnly) => "ro, written by PDO only",
+        (Access::ReadWrite, WriteState::NotWithSdo) => "ro, written by PDO only",
     }
 }
 
 fn default(row: &Row) -> String {
-    match (row.default, row.access) {
+    match (row.default(), row.access) {
         (_, Access::WriteOnly) => String::new(),
         (Default::Text(text), _) => format!("`{text}`"),
         (Default::NodeIdPlus(base), _) => format!("0x{base:X} + node-ID"),
@@ -80,7 +80,7 @@ fn default(row: &Row) -> String {
 
 /// What may be written, with the unit; nothing where all of the type may.
 fn values(row: &Row, unit: Unit) -> String {
-    let Limits { min, max, also } = row.limits;
+    let Limits { min, max, also } = row.limits();
     let (lowest, highest) = row.data_type.span();
     let mut spans = Vec::new();
     if row.access != Access::ReadOnly && (min, max) != (lowest, highest) {

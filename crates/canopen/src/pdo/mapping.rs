@@ -86,12 +86,11 @@ impl Mapping {
             let found = field.slot.and_then(|slot| Some((slot, values.dictionary().row(slot)?)));
             let Some((slot, row)) = found else { continue };
             let [a, b, c, d, ..] = (data >> field.shift).to_le_bytes();
-            let number = row.data_type.number(u32::from_le_bytes([a, b, c, d]) & field.mask);
-            if !row.limits.permit(number) {
+            let raw = row.data_type.widen(u32::from_le_bytes([a, b, c, d]) & field.mask);
+            if !row.permits(raw) {
                 return None;
             }
-            let [a, b, c, d, ..] = number.to_le_bytes();
-            unpacked.push(Mapped { slot, row, raw: u32::from_le_bytes([a, b, c, d]) }).ok()?;
+            unpacked.push(Mapped { slot, row, raw }).ok()?;
         }
         Some(unpacked)
     }

@@ -1,4 +1,6 @@
-use object_dictionary::{Access, DataType, Default, Missing, ObjectId, Row, Slot, Values};
+use object_dictionary::{
+    Access, DataType, Default, Missing, ObjectId, OutOfLimits, Row, Slot, Values,
+};
 
 use super::abort::AbortCode;
 use crate::application::{Application, Written};
@@ -64,7 +66,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// The bytes of a value. A number uses `number` as its place.
     pub(super) fn bytes<'b>(&'b self, entry: Entry, number: &'b mut [u8; 4]) -> &'b [u8] {
         if let DataType::VisibleString(_) = entry.row.data_type {
-            let default = match entry.row.default {
+            let default = match entry.row.default() {
                 Default::Text(text) => text.as_bytes(),
                 Default::Number(_) | Default::NodeIdPlus(_) => &[],
             };
@@ -153,18 +155,12 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         for (byte, &sent) in le.iter_mut().zip(bytes) {
             *byte = sent;
         }
-        let number = row.data_type.number(u32::from_le_bytes(le));
-        if !row.limits.permit(number) {
-            return Err(if !row.limits.also.is_empty() {
-                codes.value_range
-            } else if number > row.limits.max {
-                codes.above_maximum
-            } else {
-                codes.below_minimum
-            });
-        }
-        let [a, b, c, d, ..] = number.to_le_bytes();
-        let raw = u32::from_le_bytes([a, b, c, d]);
+        let raw = row.data_type.widen(u32::from_le_bytes(le));
+        row.check(raw).map_err(|outside| match outside {
+            OutOfLimits::Above => codes.above_maximum,
+            OutOfLimits::Below => codes.below_minimum,
+            OutOfLimits::Beside => codes.value_range,
+        })?;
         if !is_possible(row.id, raw) {
             return Err(codes.value_range);
         }

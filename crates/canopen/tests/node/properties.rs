@@ -330,10 +330,12 @@ impl Watch {
             Some(_) | None => bytes[len..].fill(0),
         }
         let number = row.data_type.number(u32::from_le_bytes(bytes));
-        if row.limits.permit(number) {
+        let limits = row.limits();
+        let within = |&(first, last): &(i64, i64)| (first..=last).contains(&number);
+        if within(&(limits.min, limits.max)) || limits.also.iter().any(within) {
             None
-        } else if row.limits.also.is_empty() {
-            let above = number > row.limits.max;
+        } else if limits.also.is_empty() {
+            let above = number > limits.max;
             abort(if above { codes.above_maximum } else { codes.below_minimum }.get())
         } else {
             abort(codes.value_range.get())
