@@ -36,12 +36,15 @@ impl Bench {
     }
 
     fn start(product: &str, options: &[&str]) -> Self {
-        let mut process = Command::new(bench_program())
+        let mut command = Command::new(bench_program());
+        if !options.contains(&"twin") {
+            command.env("SPINDLE_IMAGES", images());
+        }
+        let mut process = command
             .current_dir(build::root())
             .args(["up", product, "--no-tui"])
             .args(["--slcan", "127.0.0.1:0", "--control", "127.0.0.1:0"])
             .args(options)
-            .env("SPINDLE_IMAGES", images())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -29,7 +29,8 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     // Bench
     ("world",             &["units"]),
     ("emulated",          &["units", "world"]),
-    ("bench",             &["emulated", "units", "world"]),
+    ("twin",              &["application", "canopen", "interface", "lcd", "profiles", "shared-proto", "units", "world"]),
+    ("bench",             &["emulated", "twin", "units", "world"]),
     // Tests and tools
     ("tests-host",        &["emulated", "units", "world"]),
     ("tests-qemu",        &["canopen", "object-dictionary", "positioning", "shared-proto", "units"]),

@@ -1,4 +1,4 @@
-//! Where the firmware images are, and the engine that runs them.
+//! What the devices are made of: where the firmware images are, and the engines.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub fn check_product(product: &str) -> Result<(), String> {
 pub fn engine(up: &Up, kept: Vec<Contents>) -> Result<Box<dyn Engine>, String> {
     match up.engine {
         EngineKind::Image => image_engine(up, kept),
-        EngineKind::Twin => Err("this build has no twin engine: use --engine image".to_owned()),
+        EngineKind::Twin => twin_engine(up, kept),
     }
 }
 
@@ -61,8 +61,19 @@ fn image_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String
         Firmware::read(&path).map(Arc::new).map_err(|error| error.to_string())
     };
     let images = Images { stm: image("stm")?, msp: image("msp")? };
-    let nodes = usize::try_from(up.nodes).unwrap_or(usize::MAX);
-    let options = Options { nodes, seed: up.seed, flash };
+    let options = Options { nodes: nodes(up), seed: up.seed, flash };
     let fleet = Fleet::new(&images, options).map_err(|error| error.to_string())?;
     Ok(Box::new(fleet))
+}
+
+fn twin_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String> {
+    let product = twin::product(&up.product)
+        .ok_or_else(|| format!("there is no twin of {:?}: use --engine image", up.product))?;
+    let options = twin::Options { nodes: nodes(up), seed: up.seed, flash };
+    let fleet = twin::Fleet::new(product, options).map_err(|error| error.to_string())?;
+    Ok(Box::new(fleet))
+}
+
+fn nodes(up: &Up) -> usize {
+    usize::try_from(up.nodes).unwrap_or(usize::MAX)
 }

@@ -18,9 +18,8 @@ use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 use units::Instant;
 use world::can::{Delivery, PortState, Presence};
-use world::{EngineError, LogLine, Mcu, McuStats, MotorOutputs, Panel, Reset, Surroundings};
+use world::{Dice, EngineError, LogLine, Mcu, McuStats, MotorOutputs, Panel, Reset, Surroundings};
 
-use crate::dice::Dice;
 use crate::firmware::Firmware;
 use crate::flash_array::FlashArray;
 use crate::log_channel::{LogChannel, READ_EVERY_NS};
@@ -627,7 +626,7 @@ impl Pilot {
     /// can be told.
     fn forget_memory(&mut self, host: &mut dyn Host) {
         for at in (SRAM_BASE..SRAM_BASE + SRAM_LEN).step_by(8) {
-            let _ = host.write(at, Width::W64, self.noise.next());
+            let _ = host.write(at, Width::W64, self.noise.draw());
         }
         for at in (CCM_BASE..CCM_BASE + CCM_LEN).step_by(8) {
             let _ = host.write(at, Width::W64, 0);

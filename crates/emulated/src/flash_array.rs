@@ -22,8 +22,8 @@ use rigless::soc::stm32f427::peripherals::flash::{Flash, LOCK};
 use rigless::soc::stm32f427::peripherals::rcc::HSI_HZ;
 use rigless::time::{EventId, VirtualNanos};
 
-use crate::dice::Dice;
 use crate::memory_map::{FLASH_BASE, FLASH_LEN};
+use world::Dice;
 
 /// Programming one unit of any width: 16 µs.
 const PROGRAM_NS: u64 = 16_000;
@@ -253,17 +253,17 @@ impl FlashArray {
         match operation {
             Operation::Erase { cells, .. } => {
                 for at in cells.step_by(WORD_BYTES) {
-                    let progress = self.dice.next();
+                    let progress = self.dice.draw();
                     let word = match progress % 3 {
                         0 => ERASED,
-                        1 => self.word(at) | self.dice.next(),
+                        1 => self.word(at) | self.dice.draw(),
                         _ => self.word(at),
                     };
                     self.set_word(at, word, context);
                 }
             }
             Operation::Program { store, .. } => {
-                let partly = store.value | self.dice.next();
+                let partly = store.value | self.dice.draw();
                 self.clear_bits(store, partly, context);
             }
         }

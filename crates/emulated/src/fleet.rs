@@ -11,10 +11,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use units::Instant;
 use world::can::{Bus, Delivery, Nanos, PortState, Presence, greatest_quantum};
-use world::{Engine, EngineError, FlashImage, LogLine, Mcu, McuStats, Surroundings};
+use world::{Dice, Engine, EngineError, FlashImage, LogLine, Mcu, McuStats, Surroundings};
 
 use crate::controller::{Command, Controller, Identity, Order, Report, Setup, Supply};
-use crate::dice::Dice;
 use crate::firmware::Firmware;
 use crate::serial_line::{Byte, LINE_DELAY_NS, carry};
 

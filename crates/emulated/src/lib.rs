@@ -13,7 +13,6 @@
 mod build;
 pub mod bxcan;
 mod controller;
-mod dice;
 mod firmware;
 mod flash_array;
 mod fleet;

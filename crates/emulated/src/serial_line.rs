@@ -10,9 +10,7 @@ use std::collections::VecDeque;
 use rigless::chip::{Timeline, uart};
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
-use world::Link;
-
-use crate::dice::Dice;
+use world::{Dice, Link};
 
 /// From the end of a byte's stop bit at the sender to the start of its start bit at the receiver.
 /// No quantum is longer.
@@ -21,9 +19,6 @@ pub(crate) const LINE_DELAY_NS: u64 = 100_000;
 /// How late the receiver may take a byte off the line: it may still be busy with the one before.
 /// Anything later was not listened to. A little more than one byte at 460 800 bit/s.
 const MISSED_AFTER_NS: u64 = 25_000;
-
-/// Bits of a byte on the line: start, eight data bits, stop.
-const FRAME_BITS: u8 = 10;
 
 /// A byte, and when it left or arrives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,19 +74,8 @@ impl uart::Peer for SerialLine {
 pub(crate) fn carry(sent: Vec<Byte>, faults: Link, dice: &mut Dice) -> Vec<Byte> {
     sent.into_iter()
         .filter_map(|byte| {
-            let value = disturb(byte.value, faults, dice)?;
+            let value = faults.carry(byte.value, dice)?;
             Some(Byte { at_ns: byte.at_ns + LINE_DELAY_NS, value })
         })
         .collect()
-}
-
-/// What arrives of a byte; `None` when nothing does. A disturbed start or stop bit loses the byte.
-fn disturb(value: u8, faults: Link, dice: &mut Dice) -> Option<u8> {
-    if faults.cut || dice.hits(faults.drop_rate) {
-        return None;
-    }
-    (0..FRAME_BITS).filter(|_| dice.hits(faults.bit_error_rate)).try_fold(value, |value, bit| {
-        let flipped = 1_u8.checked_shl(u32::from(bit.checked_sub(1)?))?;
-        Some(value ^ flipped)
-    })
 }

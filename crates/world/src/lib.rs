@@ -5,11 +5,13 @@
 //! drives both through [`Engine`].
 
 pub mod can;
+mod dice;
 mod engine;
 pub mod lcd_chip;
 pub mod spindle;
 pub mod ssi_encoder;
 mod surroundings;
 
+pub use dice::Dice;
 pub use engine::{Engine, EngineError, FlashImage, LogLine, Mcu, McuStats, Reset};
 pub use surroundings::{Link, MotorOutputs, Panel, Surroundings};

@@ -1,6 +1,10 @@
+use crate::dice::Dice;
 use crate::lcd_chip::LcdChip;
 use crate::spindle::Spindle;
 use crate::ssi_encoder::SsiEncoder;
+
+/// Bits of a byte on the line between the controllers: start, eight data bits, stop.
+const LINK_FRAME_BITS: u8 = 10;
 
 /// Everything one device is wired to, apart from the CAN bus.
 #[derive(Debug, Default)]
@@ -55,6 +59,23 @@ pub struct Link {
     pub bit_error_rate: f64,
     /// Probability that a byte does not arrive, 0 to 1.
     pub drop_rate: f64,
+}
+
+impl Link {
+    /// What arrives of a byte; `None` when nothing does. A disturbed start or stop bit loses the byte.
+    #[must_use]
+    pub fn carry(&self, value: u8, dice: &mut Dice) -> Option<u8> {
+        if self.cut || dice.hits(self.drop_rate) {
+            return None;
+        }
+        (0..LINK_FRAME_BITS).filter(|_| dice.hits(self.bit_error_rate)).try_fold(
+            value,
+            |value, bit| {
+                let flipped = 1_u8.checked_shl(u32::from(bit.checked_sub(1)?))?;
+                Some(value ^ flipped)
+            },
+        )
+    }
 }
 
 impl Surroundings {

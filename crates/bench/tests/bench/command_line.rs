@@ -38,7 +38,6 @@ fn what_is_wrong_is_named_in_one_sentence() {
     refused(&["up", "nm172", "--fly"], "--fly");
     refused(&["up", "nm999"], "nm999");
     refused(&["up", "nm172", "--clock", "sundial"], "sundial");
-    refused(&["up", "nm172", "--engine", "twin"], "twin");
     refused(&["up", "nm172"], "/nonexistent/images/stm-nm172");
 }
 

@@ -1,13 +1,33 @@
-//! The NM172 on the bench: both images as they are flashed, seen from outside.
-
-use std::collections::BTreeSet;
+//! The NM172 seen from outside, whatever it is made of.
 
 use expect_test::{Expect, expect};
 use serde_json::{Value, json};
 use tests_host::{Bench, Scene};
 
+use crate::ENGINE;
+
 /// One turn of the encoder in its own steps.
 const TURN: i64 = 4_096;
+
+fn on_this_engine<'a>(options: &[&'a str]) -> Vec<&'a str> {
+    [&["--engine", ENGINE], options].concat()
+}
+
+fn powered(options: &[&str]) -> Scene {
+    Scene::powered("nm172", &on_this_engine(options))
+}
+
+fn booted(options: &[&str]) -> Scene {
+    Scene::booted("nm172", &on_this_engine(options))
+}
+
+fn running(options: &[&str]) -> Scene {
+    Scene::running("nm172", &on_this_engine(options))
+}
+
+fn step(options: &[&str]) -> Bench {
+    Bench::step("nm172", &on_this_engine(options))
+}
 
 #[track_caller]
 fn check(scene: &Scene, expected: Expect) {
@@ -18,7 +38,7 @@ fn check(scene: &Scene, expected: Expect) {
 /// setpoint over the actual value, with one boot-up message on the bus.
 #[test]
 fn a_device_is_powered() {
-    let mut scene = Scene::powered("nm172", &[]);
+    let mut scene = powered(&[]);
     scene.run_ms(1_000).note_frames().note_display();
     scene.run_ms(2_000).note_display();
     scene.run_ms(3_000).note_display().note_frames();
@@ -39,7 +59,7 @@ fn a_device_is_powered() {
 /// NM17x SDO-10: the examples of the manual, byte for byte (V-SDO-1 to V-SDO-5).
 #[test]
 fn the_examples_of_the_manual() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = running(&[]);
     // 5000.00 mm on the display and on the bus.
     scene.sdo("23 03 60 00 20 A1 07 00").run_ms(50);
     for request in [
@@ -67,7 +87,7 @@ fn the_examples_of_the_manual() {
 /// NM17x GEN-01, OD-1000-1, OD-1008-1, OD-1018-1, SDO-08: who a master finds.
 #[test]
 fn a_master_identifies_the_device() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     for request in [
         "40 00 10 00 00 00 00 00",
         "40 08 10 00 00 00 00 00",
@@ -103,7 +123,7 @@ fn a_master_identifies_the_device() {
 /// on the display and in TxPDO2; backwards past zero the sixth place is the sign.
 #[test]
 fn the_shaft_turns() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = running(&[]);
     scene.send("000#01 7F").run_ms(200).note_frames();
     scene.tell("shaft", json!({ "steps": TURN })).run_ms(200).note_frames().note_display();
     scene.tell("shaft", json!({ "steps": -3 * TURN })).run_ms(200).note_frames().note_display();
@@ -131,7 +151,7 @@ fn the_shaft_turns() {
 /// that is not there is seen on the display, and nothing is invented in its place.
 #[test]
 fn the_shaft_turns_without_supply() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     scene.sdo("40 04 60 00 00 00 00 00");
     scene.tell("power", json!({ "on": false })).run_ms(100);
     scene.tell("shaft", json!({ "steps": -200 * TURN })).run_ms(100);
@@ -158,7 +178,7 @@ fn the_shaft_turns_without_supply() {
 /// the display (with correction) and on the bus (without).
 #[test]
 fn direction_preset_and_correction() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = running(&[]);
     let reads = "40 04 60 00 00 00 00 00";
     scene.tell("shaft", json!({ "steps": TURN })).run_ms(100).sdo(reads).note_display();
     scene.note("counts down").sdo("23 00 20 02 01 00 00 00").run_ms(100).sdo(reads);
@@ -202,7 +222,7 @@ fn direction_preset_and_correction() {
 /// NM17x DISP-03, POS-07, A-58: beyond the places of the display the bus still has the value.
 #[test]
 fn the_display_overflows() {
-    let mut scene = Scene::running("nm172", &[]);
+    let mut scene = running(&[]);
     scene.note("9999.99").sdo("23 03 60 00 3F 42 0F 00").run_ms(100).note_display();
     scene.tell("shaft", json!({ "steps": 64 })).run_ms(100).note_display();
     scene.sdo("40 04 60 00 00 00 00 00");
@@ -234,7 +254,7 @@ fn the_display_overflows() {
 /// back by the inhibit time.
 #[test]
 fn the_position_is_sent_with_sync_and_by_timer() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     scene.sdo("2F 01 18 02 03 00 00 00").send("000#01 7F").run_ms(100).note_frames();
     for sync in ["080#", "080#00", "080#", "080#", "080#", "080#"] {
         scene.send(sync).run_ms(10).note(sync).note_frames();
@@ -273,7 +293,7 @@ fn the_position_is_sent_with_sync_and_by_timer() {
 /// NM17x HB-01, NMT-01, NMT-02, NMT-04, SDO-07: every state in the heartbeat, SDO in two of them.
 #[test]
 fn states_and_heartbeats() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     scene.sdo("2B 17 10 00 64 00 00 00").run_ms(90).note_frames();
     for command in ["01 00", "02 7F", "80 7F", "01 05"] {
         scene.note(command).send(&format!("000#{command}")).run_ms(100).note_frames();
@@ -313,7 +333,7 @@ fn states_and_heartbeats() {
 /// checks.
 #[test]
 fn one_abort_code_for_each_request() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     for request in [
         "FF 04 60 00 00 00 00 00",
         "40 FF 5F 00 00 00 00 00",
@@ -364,7 +384,7 @@ fn parameters_outlive_the_supply() {
     let state = tempdir();
     let state_option = ["--state", state.to_str().expect("a temporary path")];
     {
-        let mut scene = Scene::running("nm172", &state_option);
+        let mut scene = running(&state_option);
         scene.tell("shaft", json!({ "steps": TURN / 2 })).run_ms(50);
         scene.sdo("23 03 60 00 10 27 00 00").sdo("23 20 20 01 40 9C 00 00");
         scene.sdo("23 03 20 00 40 01 00 00").sdo("2F 01 21 00 25 00 00 00").run_ms(500);
@@ -392,7 +412,7 @@ fn parameters_outlive_the_supply() {
         let (status, errors) = scene.bench.stop();
         assert!(status.success(), "{errors}");
     }
-    let mut scene = Scene::running("nm172", &state_option);
+    let mut scene = running(&state_option);
     scene.node_id(0x25).sdo("40 20 20 01 00 00 00 00").sdo("40 03 20 00 00 00 00 00");
     check(
         &scene,
@@ -404,42 +424,28 @@ fn parameters_outlive_the_supply() {
     let _ = std::fs::remove_dir_all(state);
 }
 
-/// NM17x STORE-02: the supply fails in the middle of any flash operation of a write: afterwards
-/// the old value is there, or the new one, and everything else as before.
+/// NM17x OD-2015-5: the application controller restarts when it is told to, and it alone; the node
+/// stays on the bus.
 #[test]
-fn the_supply_fails_while_a_parameter_is_written() {
-    let mut seen = BTreeSet::new();
-    for operation in 1.. {
-        let mut scene = Scene::booted("nm172", &["--seed", &operation.to_string()]);
-        scene.request("23 20 20 01 40 9C 00 00");
-        scene.run_ms(300).request("23 03 20 00 40 01 00 00");
-        scene.run_ms(300).tell("power_cut", json!({ "mcu": "msp", "flash_op": operation }));
-        scene.request("23 03 20 00 41 01 00 00");
-        scene.run_ms(300);
-        let still_on = scene.bench.tell("stats", json!({}));
-        scene.tell("power", json!({ "on": false })).run_ms(100);
-        scene.tell("power", json!({ "on": true })).run_ms(1_000);
-        let window = scene.request("40 03 20 00 00 00 00 00");
-        assert_eq!(scene.request("40 20 20 01 00 00 00 00"), "43 20 20 01 40 9C 00 00");
-        assert!(
-            ["43 03 20 00 40 01 00 00", "43 03 20 00 41 01 00 00"].contains(&window.as_str()),
-            "operation {operation}: {window}"
-        );
-        seen.insert(window.clone());
-        let operations = still_on["msp"]["flash_ops"].as_u64().unwrap_or_default();
-        if operation > 4 && window.ends_with("41 01 00 00") || operation > 20 {
-            assert!(operations > 0);
-            break;
-        }
-    }
-    assert_eq!(seen.len(), 2, "cuts before and behind the decisive word: {seen:?}");
+fn the_application_controller_restarts() {
+    let mut scene = booted(&[]);
+    scene.sdo("23 15 20 00 05 00 00 00").run_ms(2_000).note_frames();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  23 15 20 00 05 00 00 00 -> 60 15 20 00 00 00 00 00
+        3004   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
+    "#]],
+    );
+    assert_eq!(resets(&mut scene.bench), [1, 2]);
 }
 
 /// NM17x LINK-06, EMCY-05: the line between the controllers is cut and mended; no
 /// controller restarts for it.
 #[test]
 fn the_link_is_cut_and_mended() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     scene.tell("link", json!({ "cut": true })).run_ms(200).note_frames();
     scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 20 00 40 01 00 00");
     scene.tell("link", json!({ "cut": false })).run_ms(1_000).note_frames();
@@ -463,7 +469,7 @@ fn the_link_is_cut_and_mended() {
 /// the line is good the copies agree, and nobody restarts.
 #[test]
 fn the_link_is_noisy() {
-    let mut scene = Scene::booted("nm172", &["--seed", "7"]);
+    let mut scene = booted(&["--seed", "7"]);
     scene.tell("link", json!({ "bit_error_rate": 1e-3, "drop_rate": 1e-3 }));
     for value in 0..40_u32 {
         let bytes = [0x23, 0x03, 0x20, 0x00, value.to_le_bytes()[0], 1, 0, 0];
@@ -482,7 +488,7 @@ fn the_link_is_noisy() {
 /// NM17x EMCY-02, EMCY-05, A-31: disturbed, held dominant until bus-off, and back without a restart.
 #[test]
 fn the_bus_is_disturbed() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     scene.sdo("2B 17 10 00 0A 00 00 00").note("half of all frames fail");
     scene.tell("can_fault", json!({ "error_rate": 0.5 })).run_ms(1_000);
     scene.tell("can_fault", json!({ "error_rate": 0.0 })).run_ms(200);
@@ -507,7 +513,7 @@ fn the_bus_is_disturbed() {
 /// NM17x ADDR-01, ADDR-02: two devices on one bus, told apart once one has another node-ID.
 #[test]
 fn two_devices_share_a_bus() {
-    let mut scene = Scene::powered("nm172", &["--nodes", "2"]);
+    let mut scene = powered(&["--nodes", "2"]);
     scene.tell("power", json!({ "node": 1, "on": false })).run_ms(1_000).note_frames();
     scene.request("2F 01 21 00 02 00 00 00");
     scene.run_ms(300).tell("power", json!({ "on": false })).run_ms(100);
@@ -533,7 +539,7 @@ fn two_devices_share_a_bus() {
 /// NM17x GEN-05, OD-2100-1: all nine bit rates, each after a restart.
 #[test]
 fn all_nine_bit_rates() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     for rate in [8, 0, 7, 1, 6, 2, 5, 3, 4] {
         scene.request(&format!("2F 00 21 00 {rate:02X} 00 00 00"));
         scene.run_ms(500).tell("power", json!({ "on": false })).run_ms(100);
@@ -578,7 +584,7 @@ fn any_frame_leaves_the_device_alive() {
             random ^= random << 17;
             random
         };
-        let mut scene = Scene::booted("nm172", &["--seed", &seed.to_string()]);
+        let mut scene = booted(&["--seed", &seed.to_string()]);
         scene.send("000#01 7F");
         for _ in 0..1_500 {
             let extended = next() % 4 == 0;
@@ -611,7 +617,7 @@ fn any_frame_leaves_the_device_alive() {
 /// NM17x GEN-04: foreign traffic does not even interrupt the controller.
 #[test]
 fn foreign_traffic_is_filtered_in_hardware() {
-    let mut scene = Scene::booted("nm172", &[]);
+    let mut scene = booted(&[]);
     let before = scene.bench.tell("stats", json!({}))["stm"]["can_interrupts"].clone();
     for id in (0x001..0x7FF).filter(|id| ![0x080, 0x67F].contains(id)).step_by(7) {
         scene.tell("can_send", json!({ "id": id, "data": "0102030405060708" })).run_ms(2);
@@ -624,7 +630,7 @@ fn foreign_traffic_is_filtered_in_hardware() {
 #[test]
 fn a_run_repeats_itself() {
     let run = || {
-        let mut bench = Bench::step("nm172", &["--seed", "11"]);
+        let mut bench = step(&["--seed", "11"]);
         let mut answers = Vec::new();
         bench.tell("link", json!({ "bit_error_rate": 1e-4 }));
         bench.tell("shaft", json!({ "steps_per_s": 777 }));
@@ -650,7 +656,7 @@ fn resets(bench: &mut Bench) -> [usize; 2] {
 
 /// A new directory for this process alone.
 fn tempdir() -> std::path::PathBuf {
-    let path = std::env::temp_dir().join(format!("spindle-state-{}", std::process::id()));
+    let path = std::env::temp_dir().join(format!("spindle-{ENGINE}-state-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&path);
     path
 }
@@ -658,7 +664,7 @@ fn tempdir() -> std::path::PathBuf {
 /// The fields of an answer that a client relies on.
 #[test]
 fn answers_have_the_fields_of_the_interface() {
-    let mut bench = Bench::step("nm172", &[]);
+    let mut bench = step(&[]);
     let fields = |answer: &Value| -> Vec<String> {
         answer.as_object().map(|map| map.keys().cloned().collect()).unwrap_or_default()
     };
