@@ -21,8 +21,8 @@ pub(crate) const HISTORY: u16 = 0x1003;
 /// The code that says that all errors are over.
 pub(crate) const ERROR_RESET: u16 = 0x0000;
 
-/// A monitored heartbeat is missing.
-pub(crate) const HEARTBEAT_LOST: u16 = 0x8130;
+/// A monitored heartbeat, or the master that guards the node, is missing.
+pub(crate) const PARTNER_LOST: u16 = 0x8130;
 
 /// The emergency producer (CiA 301, section 7.2.7; objects 0x1003, 0x1014 and 0x1015).
 ///

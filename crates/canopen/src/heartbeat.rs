@@ -47,7 +47,8 @@ impl Producer {
         true
     }
 
-    fn is_on(&self) -> bool {
+    /// Whether the period is not 0.
+    pub(crate) fn is_on(&self) -> bool {
         self.period > Duration::ZERO
     }
 }

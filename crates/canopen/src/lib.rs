@@ -14,6 +14,7 @@
 //! |---|---|
 //! | NMT slave, boot-up, self-start (0x1F80) | all commands; a reset is an event for the core above |
 //! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
+//! | | node guarding and life guarding (0x100C, 0x100D) where no heartbeat is produced |
 //! | SDO server | one; expedited and segmented, in blocks where [`Settings::block_transfer`] asks for it; both ways |
 //! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
 //! | | receive: types 0 to 240, 254, 255; deadline, fixed mapping |
@@ -37,10 +38,13 @@
 //! nothing; one that is has exactly one answer, the segments of a block excepted.
 #![no_std]
 
+mod acceptance;
 mod application;
 mod cob_id;
+mod deadline;
 mod emcy;
 mod frame;
+mod guarding;
 mod heartbeat;
 pub mod lss;
 mod nmt;
@@ -51,11 +55,12 @@ mod sdo;
 mod settings;
 mod sync;
 
+pub use acceptance::Accepted;
 pub use application::{Application, Mapped, ReadError, WriteError, Written};
 pub use cob_id::NodeId;
 pub use frame::{CanId, DATA_MAX, Frame};
 pub use nmt::State;
-pub use node::{Accepted, Event, Node};
+pub use node::{Event, Node};
 pub use outbox::TRANSMIT_MAX;
 pub use sdo::AbortCode;
 pub use settings::{

@@ -2,10 +2,13 @@ use heapless::{Deque, Vec};
 use object_dictionary::{Dictionary, ObjectId, Slot, Values};
 use units::Instant;
 
+use crate::acceptance::{Accepted, Screen};
 use crate::application::{Application, Written};
 use crate::cob_id::{self, NodeId, Service};
+use crate::deadline::Deadline;
 use crate::emcy;
 use crate::frame::{CanId, Frame};
+use crate::guarding::{self, Guarded};
 use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
@@ -57,6 +60,7 @@ pub struct Node<const LEN: usize> {
     state: State,
     values: Values<LEN>,
     heartbeat: heartbeat::Producer,
+    guarded: Option<Guarded>,
     monitored: heartbeat::Consumers,
     /// The error register as far as the device sets it.
     device_errors: u8,
@@ -68,6 +72,7 @@ pub struct Node<const LEN: usize> {
     tpdos: Vec<Tpdo, TPDO_MAX>,
     outbox: Outbox,
     overflow: Overflow,
+    screen: Screen,
     filters_changed: bool,
     events: Deque<Event, EVENTS_MAX>,
 }
@@ -97,6 +102,10 @@ pub enum Event {
         /// The node.
         producer: NodeId,
     },
+    /// The master that guards this node is missing. What 0x1029 says has happened.
+    GuardingLost,
+    /// The master that was missing is there again.
+    GuardingRecovered,
     /// Layer setting services ask for something. After [`lss::Event::ActivateBitTiming`] the node
     /// is silent and deaf.
     Lss(lss::Event),
@@ -120,15 +129,6 @@ pub enum Event {
 enum Overflow {
     Reportable { lost_before: u32 },
     Reported,
-}
-
-/// A kind of frame that a node listens to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Accepted {
-    /// Its identifier.
-    pub id: CanId,
-    /// Whether it is the remote frame that counts.
-    pub remote: bool,
 }
 
 impl<const LEN: usize> Node<LEN> {
@@ -157,6 +157,7 @@ impl<const LEN: usize> Node<LEN> {
             settings,
             state: State::Initialising,
             heartbeat,
+            guarded: Guarded::new(&values),
             monitored: heartbeat::Consumers::new(&values),
             device_errors: 0,
             sync: value(SYNC_COB_ID).map(sync::Consumer::new),
@@ -167,6 +168,7 @@ impl<const LEN: usize> Node<LEN> {
             tpdos,
             outbox: Outbox::default(),
             overflow: Overflow::Reportable { lost_before: 0 },
+            screen: Screen::CLOSED,
             filters_changed: false,
             events: Deque::new(),
             values,
@@ -186,6 +188,7 @@ impl<const LEN: usize> Node<LEN> {
         self.outbox.push_boot_up(self.boot_up());
         self.heartbeat.start(now);
         self.enter(now, State::PreOperational);
+        self.listen();
         if self.value(NMT_STARTUP) & SELF_STARTING != 0 {
             self.enter(now, State::Operational);
         }
@@ -193,28 +196,15 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// Takes a received frame in.
+    #[inline]
     pub fn handle_frame(
         &mut self,
         now: Instant,
         frame: &Frame,
         application: &mut impl Application,
     ) {
-        if self.state == State::Initialising || frame.is_remote() {
-            return;
-        }
-        if frame.id() == cob_id::NMT {
-            self.handle_nmt(now, frame);
-        } else if frame.id() == Service::SdoRequest.id(self.node_id) {
-            self.handle_sdo(now, frame, application);
-        } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
-            self.handle_sync(now, application);
-        } else if self.rpdos.iter().any(|rpdo| rpdo.id() == Some(frame.id())) {
-            self.handle_rpdo(now, frame, application);
-        } else if Service::ErrorControl.has(frame.id()) {
-            self.handle_heartbeat(now, frame);
-        } else if let Some(slave) = &mut self.lss {
-            let reaction = slave.handle_frame(frame);
-            self.follow(reaction);
+        if self.screen.passes(frame.id()) {
+            self.dispatch(now, frame, application);
         }
     }
 
@@ -227,6 +217,7 @@ impl<const LEN: usize> Node<LEN> {
             self.send_heartbeat();
         }
         self.give_up_producers(now);
+        self.give_up_master(now);
         self.report_overdue(now);
         self.send_waiting_emergencies(now);
         self.transmit_due(now);
@@ -238,8 +229,9 @@ impl<const LEN: usize> Node<LEN> {
         let rpdos = self.rpdos.iter().filter_map(Rpdo::due_at);
         let tpdos = self.tpdos.iter().filter_map(Tpdo::due_at);
         let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
-        let heartbeats = [self.heartbeat.due_at(), self.monitored.due_at()];
-        let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(heartbeats);
+        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at).instant();
+        let control = [self.heartbeat.due_at(), self.monitored.due_at(), guarding];
+        let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(control);
         due.flatten().chain(rpdos).chain(tpdos).min()
     }
 
@@ -309,6 +301,8 @@ impl<const LEN: usize> Node<LEN> {
     /// The frames this node listens to, whatever its state; all others may be filtered out.
     pub fn accepts(&self) -> impl Iterator<Item = Accepted> {
         let data = |id| Accepted { id, remote: false };
+        let remote = |id| Accepted { id, remote: true };
+        let guarding = self.guarded.as_ref().map(|_| Service::ErrorControl.id(self.node_id));
         [
             Some(cob_id::NMT),
             self.sync.map(sync::Consumer::id),
@@ -320,6 +314,7 @@ impl<const LEN: usize> Node<LEN> {
         .chain(self.monitored.ids())
         .chain(self.rpdos.iter().filter_map(Rpdo::id))
         .map(data)
+        .chain(guarding.map(remote))
     }
 
     /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
@@ -376,6 +371,49 @@ impl<const LEN: usize> Node<LEN> {
 }
 
 impl<const LEN: usize> Node<LEN> {
+    fn dispatch(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+        let id = frame.id();
+        if frame.is_remote() {
+            self.handle_remote(now, id);
+        } else if id == Service::SdoRequest.id(self.node_id) {
+            self.handle_sdo(now, frame, application);
+        } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
+            self.handle_sync(now, application);
+        } else if self.rpdos.iter().any(|rpdo| rpdo.id() == Some(id)) {
+            self.handle_rpdo(now, frame, application);
+        } else if id == cob_id::NMT {
+            self.handle_nmt(now, frame);
+        } else if Service::ErrorControl.has(id) {
+            self.handle_heartbeat(now, frame);
+        } else if let Some(slave) = &mut self.lss {
+            let reaction = slave.handle_frame(frame);
+            self.follow(reaction);
+        }
+    }
+
+    fn handle_remote(&mut self, now: Instant, id: CanId) {
+        if id == Service::ErrorControl.id(self.node_id) {
+            self.handle_guarding(now);
+        }
+    }
+
+    /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2).
+    fn handle_guarding(&mut self, now: Instant) {
+        let Some(guarded) = self.guarded.as_mut().filter(|_| !self.heartbeat.is_on()) else {
+            return;
+        };
+        let request = guarded.handle(now);
+        let answer = guarded.answer(self.state.heartbeat_byte());
+        self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), answer));
+        match request {
+            guarding::Request::Recovered => {
+                self.report(Event::GuardingRecovered);
+                self.update_error_register(now);
+            }
+            guarding::Request::Expected => {}
+        }
+    }
+
     fn handle_nmt(&mut self, now: Instant, frame: &Frame) {
         match Command::parse(frame.data(), self.node_id) {
             Some(Command::Enter(state)) => {
@@ -533,23 +571,36 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Each producer that is missing is an event, a message and a reason to act. The message is
-    /// older than the state that follows, and is sent even if that has none.
+    /// Each producer that is missing is an event, a message and a reason to act.
     fn give_up_producers(&mut self, now: Instant) {
         while let Some(producer) = self.monitored.take_due(now) {
             self.report(Event::HeartbeatLost { producer });
-            self.update_error_register(now);
-            let message = self.raise(emcy::HEARTBEAT_LOST, [0; 5]);
-            self.react(now, ErrorClass::Communication);
-            if let Some(message) = message {
-                self.outbox.push(message);
-            }
+            self.lose_partner(now);
+        }
+    }
+
+    fn give_up_master(&mut self, now: Instant) {
+        if self.guarded.as_mut().is_some_and(|guarded| guarded.take_due(now)) {
+            self.report(Event::GuardingLost);
+            self.lose_partner(now);
+        }
+    }
+
+    /// The message is older than the state that follows, and is sent even if that has none.
+    fn lose_partner(&mut self, now: Instant) {
+        self.update_error_register(now);
+        let message = self.raise(emcy::PARTNER_LOST, [0; 5]);
+        self.react(now, ErrorClass::Communication);
+        if let Some(message) = message {
+            self.outbox.push(message);
         }
     }
 
     fn update_error_register(&mut self, now: Instant) {
         let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
-        let own = if self.monitored.is_any_lost() { COMMUNICATION_ERROR } else { 0 };
+        let master_lost = self.guarded.as_ref().is_some_and(Guarded::is_lost);
+        let lost = master_lost || self.monitored.is_any_lost();
+        let own = if lost { COMMUNICATION_ERROR } else { 0 };
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
         self.set_value(now, slot, after);
         if before != 0 && after == 0 {
@@ -619,6 +670,10 @@ impl<const LEN: usize> Node<LEN> {
         self.state = State::Initialising;
         self.heartbeat.stop();
         self.monitored.stop();
+        if let Some(guarded) = &mut self.guarded {
+            guarded.stop();
+        }
+        self.screen = Screen::CLOSED;
         self.sdo.stop();
         self.rpdos.iter_mut().for_each(Rpdo::stop);
         self.tpdos.iter_mut().for_each(Tpdo::stop);
@@ -669,8 +724,20 @@ impl<const LEN: usize> Node<LEN> {
         let raw = self.values.raw(slot);
         match row.id.index {
             0x1005 => self.listen_to_sync(sync::Consumer::new(raw)),
+            0x100C | 0x100D => {
+                if let Some(guarded) = &mut self.guarded {
+                    guarded.reread(&self.values);
+                }
+                self.update_error_register(now);
+            }
             0x1017 => {
                 self.heartbeat.set_period_ms(raw);
+                if self.heartbeat.is_on()
+                    && let Some(guarded) = &mut self.guarded
+                {
+                    guarded.stop();
+                    self.update_error_register(now);
+                }
                 match self.state {
                     State::Initialising => {}
                     State::PreOperational | State::Operational | State::Stopped => {
@@ -679,13 +746,17 @@ impl<const LEN: usize> Node<LEN> {
                 }
             }
             heartbeat::CONSUMER_TIME => {
-                self.filters_changed |= self.monitored.reread(row.id.sub, &self.values);
+                if self.monitored.reread(row.id.sub, &self.values) {
+                    self.change_filters();
+                }
                 self.update_error_register(now);
             }
             0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
             index @ 0x1400..=0x15FF => {
-                for rpdo in self.rpdos.iter_mut().filter(|rpdo| rpdo.is_described_by(index)) {
-                    self.filters_changed |= rpdo.reread(&self.values);
+                let mut described =
+                    self.rpdos.iter_mut().filter(|rpdo| rpdo.is_described_by(index));
+                if described.any(|rpdo| rpdo.reread(&self.values)) {
+                    self.change_filters();
                 }
             }
             index @ 0x1800..=0x19FF => self.reread_tpdo(now, index),
@@ -694,8 +765,25 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn listen_to_sync(&mut self, sync: sync::Consumer) {
-        self.filters_changed |= self.sync != Some(sync);
-        self.sync = Some(sync);
+        if self.sync.replace(sync) != Some(sync) {
+            self.change_filters();
+        }
+    }
+
+    fn change_filters(&mut self) {
+        self.filters_changed = true;
+        match self.state {
+            State::Initialising => {}
+            State::PreOperational | State::Operational | State::Stopped => self.listen(),
+        }
+    }
+
+    fn listen(&mut self) {
+        let mut screen = Screen::CLOSED;
+        for accepted in self.accepts() {
+            screen.open(accepted.id);
+        }
+        self.screen = screen;
     }
 
     fn reread_tpdo(&mut self, now: Instant, index: u16) {

@@ -278,8 +278,12 @@ impl Interface {
                     self.boot_up_by = Some(now);
                     self.boot_up(now);
                 }
-                canopen::Event::HeartbeatLost { .. } => self.link.stop(Urgency::HeartbeatLost),
-                canopen::Event::HeartbeatRecovered { .. } | canopen::Event::PdoOverdue { .. } => {}
+                canopen::Event::HeartbeatLost { .. } | canopen::Event::GuardingLost => {
+                    self.link.stop(Urgency::HeartbeatLost)
+                }
+                canopen::Event::HeartbeatRecovered { .. }
+                | canopen::Event::GuardingRecovered
+                | canopen::Event::PdoOverdue { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 // The settings of the NM17x ask for no layer setting services.
                 canopen::Event::Lss(_) => {}

@@ -2,7 +2,7 @@ use canopen::Settings;
 use expect_test::expect;
 
 use crate::check;
-use crate::device::{DICTIONARY, NODE_ID};
+use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 
 /// NM17x EMCY-01, EMCY-02, EMCY-03, OD-1014-1; decisions A-31, A-32, A-33: the message, its entry,
@@ -181,7 +181,7 @@ fn messages_keep_their_distance() {
 /// bytes, and a number that is not 0 is no permitted one.
 #[test]
 fn cia_301_keeps_the_first_bytes() {
-    let node = canopen::Node::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
+    let node = canopen::Node::<LEN>::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
     let script = "
         0 boot
         1 emergency 8310 05
@@ -197,5 +197,5 @@ fn cia_301_keeps_the_first_bytes() {
         0003 < 67F [8] 2F 03 10 00 01 00 00 00
         0003 > 5FF [8] 80 03 10 00 30 00 09 06
     "#]]
-    .assert_eq(&transcript(node, script));
+    .assert_eq(&transcript(node, &mut Device::new(), script));
 }

@@ -7,8 +7,10 @@
     reason = "a test that meets what it does not expect has to fail"
 )]
 
+mod cia_301;
 mod device;
 mod emergency;
+mod guarding;
 mod monitor;
 mod nmt;
 mod pdo;
@@ -24,5 +26,5 @@ use expect_test::Expect;
 /// Compares what the device with the settings of NM17x does in a script.
 #[track_caller]
 fn check(script: &str, expected: Expect) {
-    expected.assert_eq(&script::transcript(device::node(), script));
+    expected.assert_eq(&script::transcript(device::node(), &mut device::Device::new(), script));
 }

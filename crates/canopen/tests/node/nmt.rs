@@ -1,6 +1,6 @@
 use expect_test::expect;
 
-use crate::check;
+use crate::{check, device};
 
 /// NM17x BOOT-03, NMT-03.
 #[test]
@@ -103,7 +103,8 @@ fn after_a_reset_command_the_node_is_silent_and_deaf() {
             100 end
             "
         );
-        let transcript = crate::script::transcript(crate::device::node(), &script);
+        let transcript =
+            crate::script::transcript(device::node(), &mut device::Device::new(), &script);
         let end: Vec<&str> = transcript.lines().skip(5).collect();
         let event = format!("0005 * {event}");
         assert_eq!(

@@ -2,7 +2,7 @@ use canopen::Settings;
 use expect_test::expect;
 
 use crate::check;
-use crate::device::{DICTIONARY, NODE_ID};
+use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 
 /// NM17x PDO-01, PDO-04, PDO-05, PDO-09; decisions A-10, A-12: type 255 with an inhibit time of
@@ -220,7 +220,7 @@ fn what_a_pdo_cannot_be_is_refused() {
 /// CiA 301: the inhibit time counts 100 µs, and both event-driven types follow changes and timer.
 #[test]
 fn the_standard_follows_changes_and_the_event_timer() {
-    let node = canopen::Node::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
+    let node = canopen::Node::<LEN>::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
     let script = "
         0 set 1801:02 254, 1801:05 100
         0 boot
@@ -240,5 +240,5 @@ fn the_standard_follows_changes_and_the_event_timer() {
         0150 > 2FF [8] 02 00 00 00 00 00 00 00
         0250 > 2FF [8] 02 00 00 00 00 00 00 00
     "#]]
-    .assert_eq(&transcript(node, script));
+    .assert_eq(&transcript(node, &mut Device::new(), script));
 }

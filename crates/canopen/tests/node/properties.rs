@@ -193,6 +193,8 @@ impl Watch {
                 Event::HeartbeatRecovered { producer } => {
                     assert!(self.monitors(producer.get()), "{producer:?}");
                 }
+                Event::GuardingLost => lost = true,
+                Event::GuardingRecovered => {}
                 Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
                 Event::Lss(event) => panic!("{event:?} without the service"),

@@ -2,7 +2,7 @@ use canopen::Settings;
 use expect_test::expect;
 
 use crate::check;
-use crate::device::{DICTIONARY, NODE_ID};
+use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 
 /// NM17x PDO-01, PDO-10, PDO-15: values arrive at once in Operational, and in no other state. What the
@@ -256,7 +256,7 @@ fn a_received_value_is_a_change() {
 /// CiA 301, section 7.2.2.5: of a frame that is too long the first bytes count.
 #[test]
 fn cia_301_takes_the_first_bytes_of_a_long_frame() {
-    let node = canopen::Node::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
+    let node = canopen::Node::<LEN>::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
     let script = "
         0 boot
         1 < 000 01 00
@@ -293,5 +293,5 @@ fn cia_301_takes_the_first_bytes_of_a_long_frame() {
         0094 < 67F [8] 40 01 25 01 00 00 00 00
         0094 > 5FF [8] 43 01 25 01 00 00 00 00
     "#]]
-    .assert_eq(&transcript(node, script));
+    .assert_eq(&transcript(node, &mut Device::new(), script));
 }

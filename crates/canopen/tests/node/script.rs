@@ -7,23 +7,25 @@
 
 use std::fmt::Write as _;
 
-use canopen::{CanId, Event, Frame, Node};
+use canopen::{Application, CanId, Event, Frame, Node};
 use object_dictionary::{ObjectId, Slot};
 use units::{Duration, Instant};
 
-use crate::device::{DICTIONARY, Device, LEN};
-
-struct Run {
+struct Run<'a, A, const LEN: usize> {
     node: Node<LEN>,
-    device: Device,
+    application: &'a mut A,
     now: Instant,
     transcript: String,
 }
 
 /// What happens on the node while the script runs.
-pub(crate) fn transcript(node: Node<LEN>, script: &str) -> String {
+pub(crate) fn transcript<A: Application, const LEN: usize>(
+    node: Node<LEN>,
+    application: &mut A,
+    script: &str,
+) -> String {
     let start = Instant::ZERO;
-    let mut run = Run { node, device: Device::new(), now: start, transcript: String::new() };
+    let mut run = Run { node, application, now: start, transcript: String::new() };
     for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (ms, step) = line.split_once(' ').expect("a time and a step");
         run.advance(start + Duration::from_millis(ms.parse().expect("milliseconds")));
@@ -32,7 +34,7 @@ pub(crate) fn transcript(node: Node<LEN>, script: &str) -> String {
     run.transcript
 }
 
-impl Run {
+impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
     fn advance(&mut self, until: Instant) {
         while let Some(due_at) = self.node.poll_timeout().filter(|&due_at| due_at <= until) {
             self.now = self.now.max(due_at);
@@ -65,7 +67,8 @@ impl Run {
                     rest.split(',').map(|set| set.trim().split_once(' ').unwrap())
                 {
                     let value: i64 = value.parse().expect("a number");
-                    self.node.set_value(self.now, slot(object), value as u32);
+                    let slot = self.slot(object);
+                    self.node.set_value(self.now, slot, value as u32);
                 }
             }
             "errors" => self.node.set_error_register(self.now, hex(rest)),
@@ -83,7 +86,7 @@ impl Run {
 
     fn receive(&mut self, frame: Frame) {
         self.line('<', &described(&frame));
-        self.node.handle_frame(self.now, &frame, &mut self.device);
+        self.node.handle_frame(self.now, &frame, self.application);
     }
 
     fn drain(&mut self) {
@@ -94,6 +97,8 @@ impl Run {
                 | Event::ResetCommunication
                 | Event::FiltersChanged
                 | Event::PdoOverdue { .. }
+                | Event::GuardingLost
+                | Event::GuardingRecovered
                 | Event::HeartbeatLost { .. }
                 | Event::HeartbeatRecovered { .. }
                 | Event::Lss(_)
@@ -104,6 +109,14 @@ impl Run {
         while let Some(frame) = self.node.take_transmit() {
             self.line('>', &described(&frame));
         }
+    }
+
+    /// The slot of an object written as `2003:00`.
+    fn slot(&self, object: &str) -> Slot {
+        let (index, sub) = object.split_once(':').expect("index and sub-index");
+        let index = u16::from_str_radix(index, 16).expect("hexadecimal");
+        let id = ObjectId { index, sub: hex(sub) };
+        self.node.values().dictionary().find(id).expect("the device has the object")
     }
 
     fn line(&mut self, mark: char, text: &str) {
@@ -129,11 +142,4 @@ fn hex(digits: &str) -> u8 {
 
 fn can_id(digits: &str) -> CanId {
     CanId::new(u16::from_str_radix(digits, 16).expect("hexadecimal")).expect("11 bits")
-}
-
-/// The slot of an object written as `2003:00`.
-fn slot(object: &str) -> Slot {
-    let (index, sub) = object.split_once(':').expect("index and sub-index");
-    let index = u16::from_str_radix(index, 16).expect("hexadecimal");
-    DICTIONARY.find(ObjectId { index, sub: hex(sub) }).expect("the device has the object")
 }

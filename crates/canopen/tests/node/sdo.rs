@@ -1,7 +1,7 @@
 use canopen::Settings;
 use expect_test::expect;
 
-use crate::device::{DICTIONARY, NODE_ID};
+use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 use crate::{check, vectors};
 
@@ -298,7 +298,7 @@ fn a_transfer_that_goes_wrong_ends() {
 /// length is told.
 #[test]
 fn the_standard_has_other_abort_codes() {
-    let node = canopen::Node::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
+    let node = canopen::Node::<LEN>::new(&DICTIONARY, NODE_ID, &Settings::CIA_301);
     let script = "
         0 boot
         1 < 67F 27 03 20 00 01 00 00 00
@@ -327,5 +327,5 @@ fn the_standard_has_other_abort_codes() {
         0007 < 67F [8] 21 07 20 00 0B 00 00 00
         0007 > 5FF [8] 80 07 20 00 10 00 07 06
     "#]]
-    .assert_eq(&transcript(node, script));
+    .assert_eq(&transcript(node, &mut Device::new(), script));
 }

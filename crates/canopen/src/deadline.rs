@@ -1,0 +1,31 @@
+use units::{Duration, Instant};
+
+/// When something is due, if ever.
+///
+/// As small as the instant itself, and the earlier of two is their minimum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Deadline(Instant);
+
+impl Deadline {
+    /// Nothing is due.
+    pub(crate) const NEVER: Self = Self(Instant::from_micros(u64::MAX));
+
+    /// One `time` after `now`; no time at all switches off.
+    pub(crate) fn after(now: Instant, time: Duration) -> Self {
+        if time > Duration::ZERO { Self(now + time) } else { Self::NEVER }
+    }
+
+    pub(crate) fn is_due(self, now: Instant) -> bool {
+        self.0 <= now
+    }
+
+    pub(crate) fn instant(self) -> Option<Instant> {
+        (self != Self::NEVER).then_some(self.0)
+    }
+}
+
+impl From<Option<Instant>> for Deadline {
+    fn from(instant: Option<Instant>) -> Self {
+        instant.map_or(Self::NEVER, Self)
+    }
+}
