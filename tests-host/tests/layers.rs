@@ -18,6 +18,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("positioning",       &["units"]),
     ("canopen",           &["object-dictionary", "units"]),
     ("profiles",          &["object-dictionary"]),
+    ("dev1",              &["canopen", "object-dictionary"]),
     // Cores
     ("interface",         &["canopen", "object-dictionary", "profiles", "shared-proto", "units"]),
     ("application",       &["lcd", "object-dictionary", "positioning", "profiles", "shared-proto", "units"]),
@@ -34,6 +35,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     // Tests and tools
     ("tests-host",        &["emulated", "units", "world"]),
     ("tests-qemu",        &["canopen", "object-dictionary", "positioning", "shared-proto", "units"]),
+    ("perf-dev1",         &["canopen", "dev1", "object-dictionary", "units"]),
     ("xtask",             &["object-dictionary", "profiles"]),
 ];
 

@@ -9,6 +9,7 @@ mod python;
 mod qemu;
 mod run;
 mod size;
+mod stack;
 mod test;
 mod tools;
 mod trace;
@@ -25,6 +26,7 @@ cargo xtask VERB
   codegen                  write the files that are made from the dictionaries
   size                     flash and RAM of the images, and the crates that take most of it
   perf                     measure the images on the bench
+  perf --stack             count the instructions of the CANopen stack, in seconds
   trace                    which requirement is shown by which test
   flash PRODUCT --stm PROBE --msp PROBE
                            build the images and write them to two boards
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         ["codegen"] => codegen::write(),
         ["size"] => size::size(),
         ["perf"] => up::perf(),
+        ["perf", "--stack"] => stack::perf(),
         ["trace"] => trace::trace(),
         ["flash", rest @ ..] => flash::flash(rest),
         ["help" | "--help" | "-h"] => {

@@ -61,7 +61,9 @@ fn lint() -> Result<(), Failure> {
     let vectors = ["--package", "tests-qemu", "--features", "image", "--bin", "vectors"];
     run::step(
         run::cargo(["clippy", "--target", TARGET]).args(vectors).args(["--", "-D", "warnings"]),
-    )
+    )?;
+    let perf = ["clippy", "--package", "perf-dev1", "--target", TARGET, "--", "-D", "warnings"];
+    run::step(&mut run::cargo(perf))
 }
 
 fn document() -> Result<(), Failure> {

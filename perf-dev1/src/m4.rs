@@ -1,0 +1,59 @@
+//! On a Cortex-M4 under QEMU that counts instructions: one of them is one nanosecond of its clock,
+//! and the timer of the processor reads that clock.
+
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use semihosting::println;
+
+use crate::{Bus, OPERATIONS, Stack};
+
+/// How often each operation is done.
+const TIMES: u32 = 1_000;
+/// Instructions of the loop that tells how many of them a tick of the timer is.
+const CALIBRATION: u32 = 2_000_000;
+/// The timer counts down 24 bits.
+const TIMER_MAX: u32 = 0x00FF_FFFF;
+
+/// Checks all operations, counts their instructions and prints a line for each: instructions, a
+/// tab, the name. Does not return; the status is 0.
+pub fn main<S: Stack>() -> ! {
+    let mut timer = cortex_m::Peripherals::take().expect("taken once").SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(TIMER_MAX);
+    timer.clear_current();
+    timer.enable_counter();
+    let calibration = ticks(|| cortex_m::asm::delay(CALIBRATION));
+    for operation in OPERATIONS {
+        operation.check::<S>();
+        let bus = Bus::default();
+        let (mut stack, frames) = operation.prepare::<S>(&bus);
+        let mut count = |function: fn(&mut S, &S::Frame, &Bus)| {
+            ticks(|| {
+                let function = core::hint::black_box(function);
+                for _ in 0..TIMES / 2 {
+                    for frame in &frames {
+                        function(&mut stack, frame, &bus);
+                    }
+                }
+            })
+        };
+        let overhead = count(nothing);
+        let all = count(operation.function());
+        let instructions = |ticks: u32| u64::from(ticks) * u64::from(CALIBRATION);
+        let each = instructions(all - overhead) / u64::from(calibration) / u64::from(TIMES);
+        println!("{each}\t{}", operation.name);
+    }
+    semihosting::process::exit(0)
+}
+
+fn ticks(action: impl FnOnce()) -> u32 {
+    let start = SYST::get_current();
+    action();
+    start.wrapping_sub(SYST::get_current()) & TIMER_MAX
+}
+
+/// What is not the operation: its loop and its call.
+#[inline(never)]
+fn nothing<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Bus) {
+    core::hint::black_box((stack, frame, bus));
+}
