@@ -1,18 +1,16 @@
 //! Who may interrupt whom, most urgent first.
 //!
-//! The CAN path comes first: three frames fit into a receive FIFO, so a handler has to run within
-//! three shortest frames (141 µs at 1 Mbit/s). Everything that can be late without losing anything
-//! (DMA moves the bytes) comes last.
+//! The CANopen core comes first: three frames fit into a receive FIFO, so nothing it does may take
+//! longer than three shortest frames (141 µs at 1 Mbit/s). Everything that can be late without
+//! losing anything (DMA moves the bytes) comes last.
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 
-/// CAN interrupts: take frames out of the hardware.
-pub const CAN: Priority = Priority::P1;
-/// The executor the CANopen core runs on.
-pub const CORE: Priority = Priority::P2;
+/// CAN interrupts, and the executor that the core hears of everything else through.
+pub const CORE: Priority = Priority::P1;
 /// The time base.
-pub const TIME: Priority = Priority::P3;
+pub const TIME: Priority = Priority::P2;
 /// DMA streams, UART, SPI, I2C and flash.
-pub const DATA: Priority = Priority::P4;
+pub const DATA: Priority = Priority::P3;
 
 /// Sets the priorities of the time base and of what both boards use. To be called right after the
 /// HAL was initialised, which leaves all of them at the highest priority.

@@ -1,8 +1,9 @@
-//! The task that owns the core: wait, hand over, drain.
+//! The level that owns the core: everything that reaches it has one priority, above link, flash and
+//! log, so nothing it does is interrupted by anything else it does.
 //!
-//! It runs on an interrupt executor above everything but the CAN handlers, so a frame is answered
-//! without waiting for link, flash or log. All inputs raise one wake-up; a pass then looks at each
-//! of them, frames first. A pass never waits.
+//! A frame is answered in the handler of its FIFO, before anything else. Link bytes and time come
+//! through a task on an interrupt executor of the same priority.
+use core::cell::UnsafeCell;
 use core::future::poll_fn;
 use core::task::{Poll, Waker};
 
@@ -15,7 +16,7 @@ use heapless::spsc::Consumer;
 use interface::{BusState, Event, Interface, Record};
 use units::{Duration, Instant};
 
-use crate::can::{Completed, ErrorState, Port, Turn};
+use crate::can::{ErrorState, Fifo, Port, Received};
 
 /// Bytes from the link handed over at once.
 const LINK_CHUNK_LEN: usize = 64;
@@ -25,8 +26,9 @@ const LOOK_AGAIN_AFTER: Duration = Duration::from_millis(5);
 
 const _: () = assert!(embassy_time::TICK_HZ == 1_000_000);
 
-static CORE: AtomicWaker = AtomicWaker::new();
+static TASK: AtomicWaker = AtomicWaker::new();
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+static CORE: OnLevel<Core> = OnLevel::new();
 
 /// The core's task is alive.
 pub(crate) static BEAT: Beat = Beat::new();
@@ -35,28 +37,48 @@ pub(crate) static TO_APPLICATION: Outbox = Outbox::new();
 /// What the core wants stored.
 pub(crate) static RECORDS: RecordQueue = RecordQueue::new();
 
-/// Something happened that the core has to look at.
+/// There are bytes from the link, or it is time to show up.
 pub(crate) fn wake() {
-    CORE.wake();
+    TASK.wake();
 }
 
 /// The time as the core counts it.
+#[inline]
 pub(crate) fn now() -> Instant {
     Instant::from_micros(embassy_time::Instant::now().as_micros())
 }
 
-/// What the core's task owns.
-pub(crate) struct Core {
-    pub(crate) interface: Interface,
+/// What belongs to the core's level.
+struct OnLevel<T>(UnsafeCell<Option<T>>);
+
+#[expect(unsafe_code, reason = "used on one level, where no handler interrupts another")]
+unsafe impl<T: Send> Sync for OnLevel<T> {}
+
+impl<T> OnLevel<T> {
+    const fn new() -> Self {
+        Self(UnsafeCell::new(None))
+    }
+
+    /// # Safety
+    /// Only in handlers of the core's level, and one reference at a time.
+    #[expect(unsafe_code, clippy::mut_from_ref, reason = "the caller is the only user")]
+    unsafe fn get(&self) -> &mut Option<T> {
+        unsafe { &mut *self.0.get() }
+    }
+}
+
+/// What the core is put together from.
+pub(crate) struct Parts {
+    pub(crate) interface: &'static mut Interface,
     pub(crate) port: Port,
     pub(crate) from_application: Consumer<'static, u8>,
 }
 
 /// Starts the core's task on its executor.
-pub(crate) fn start(core: Core) {
+pub(crate) fn start(parts: Parts) {
     interrupt::UART5.set_priority(priority::CORE);
     let spawner = EXECUTOR.start(interrupt::UART5);
-    spawner.spawn(defmt::unwrap!(run(core)));
+    spawner.spawn(defmt::unwrap!(run(parts)));
 }
 
 /// UART5 is not used; its interrupt is the executor's.
@@ -68,19 +90,56 @@ fn UART5() {
     }
 }
 
+#[interrupt]
+fn CAN1_RX0() {
+    with_core(|core| core.take_frame(Fifo::Control));
+}
+
+#[interrupt]
+fn CAN1_RX1() {
+    with_core(|core| core.take_frame(Fifo::Data));
+}
+
+#[interrupt]
+fn CAN1_TX() {
+    with_core(Core::take_outcomes);
+}
+
+#[interrupt]
+fn CAN1_SCE() {
+    with_core(Core::take_bus_state);
+}
+
+/// Called by the handlers above and the task below, all of the core's level.
+#[inline]
+fn with_core(work: impl FnOnce(&mut Core)) {
+    #[expect(unsafe_code, reason = "its callers are of the core's level and do not nest")]
+    if let Some(core) = unsafe { CORE.get() } {
+        work(core);
+        core.take_time();
+    }
+}
+
 #[embassy_executor::task]
-async fn run(core: Core) -> ! {
-    let mut pass = Pass::new(core);
-    // The task stays the same, so its waker does.
-    poll_fn(|context| {
-        CORE.register(context.waker());
-        Poll::Ready(())
-    })
-    .await;
-    poll_fn(|context| {
+async fn run(parts: Parts) -> ! {
+    let waker = poll_fn(|context| Poll::Ready(context.waker().clone())).await;
+    TASK.register(&waker);
+    let core = Core { parts, errors: ErrorState::Active, waker, armed: None };
+    #[expect(unsafe_code, reason = "the executor has the core's level")]
+    let core = unsafe { CORE.get() }.insert(core);
+    core.configure_bus();
+    for handler in
+        [interrupt::CAN1_RX0, interrupt::CAN1_RX1, interrupt::CAN1_TX, interrupt::CAN1_SCE]
+    {
+        handler.set_priority(priority::CORE);
+        #[expect(unsafe_code, reason = "what the handlers use is in place")]
+        unsafe {
+            handler.enable();
+        }
+    }
+    poll_fn(|_| {
         BEAT.show();
-        pass.run();
-        pass.arm(context.waker());
+        with_core(Core::run);
         Poll::<core::convert::Infallible>::Pending
     })
     .await;
@@ -89,106 +148,118 @@ async fn run(core: Core) -> ! {
     }
 }
 
-struct Pass {
-    core: Core,
-    turn: Turn,
+struct Core {
+    parts: Parts,
     errors: ErrorState,
+    waker: Waker,
     /// What the time base was last asked for.
     armed: Option<Instant>,
 }
 
-impl Pass {
-    fn new(core: Core) -> Self {
-        let mut pass = Self { core, turn: Turn::Control, errors: ErrorState::Active, armed: None };
-        pass.configure_bus();
-        pass
-    }
-
-    fn run(&mut self) {
-        self.take_frames();
-        self.take_outcomes();
-        self.take_link_bytes();
-        self.take_bus_state();
-        let now = now();
-        if self.core.interface.poll_timeout().is_some_and(|due| due <= now) {
-            self.core.interface.handle_timeout(now);
-            self.drain();
+impl Core {
+    #[inline]
+    fn take_frame(&mut self, fifo: Fifo) {
+        match self.parts.port.receive(fifo) {
+            Some(Received::Frame(frame)) => self.parts.interface.handle_frame(now(), &frame),
+            Some(Received::Overrun) => {
+                defmt::warn!("CAN: frame lost");
+                self.parts.interface.handle_overrun();
+            }
+            None => return,
         }
-    }
-
-    fn take_frames(&mut self) {
-        while let Some(frame) = self.core.port.receive(self.turn) {
-            self.turn = self.turn.other();
-            self.core.interface.handle_frame(now(), &frame);
-            self.drain();
-        }
+        self.transmit();
+        self.hand_on();
     }
 
     fn take_outcomes(&mut self) {
-        while let Some(completed) = self.core.port.poll_completed() {
-            match completed {
-                Completed::Sent => {}
-                Completed::Returned(frame) => self.core.interface.give_back(frame),
-            }
+        let Parts { interface, port, .. } = &mut self.parts;
+        port.take_outcomes(|returned| interface.give_back(returned));
+        self.transmit();
+    }
+
+    fn take_bus_state(&mut self) {
+        if !self.parts.port.joined() && self.parts.port.join() {
+            self.transmit();
         }
-        self.drain();
-        self.core.port.listen_for_outcomes();
+        let errors = self.parts.port.error_state();
+        if errors != self.errors {
+            defmt::info!("CAN: {}", errors);
+            self.errors = errors;
+            self.parts.interface.handle_bus(now(), bus_state(errors));
+            self.transmit();
+            self.hand_on();
+        }
+    }
+
+    fn run(&mut self) {
+        self.take_link_bytes();
+        self.take_bus_state();
     }
 
     fn take_link_bytes(&mut self) {
         let mut chunk = heapless::Vec::<u8, LINK_CHUNK_LEN>::new();
         loop {
             while !chunk.is_full()
-                && let Some(byte) = self.core.from_application.dequeue()
+                && let Some(byte) = self.parts.from_application.dequeue()
             {
                 let _ = chunk.push(byte);
             }
             if chunk.is_empty() {
                 break;
             }
-            self.core.interface.handle_link(now(), &chunk);
-            self.drain();
+            self.parts.interface.handle_link(now(), &chunk);
+            self.transmit();
+            self.hand_on();
             chunk.clear();
         }
     }
 
-    fn take_bus_state(&mut self) {
-        self.core.port.join();
-        let errors = self.core.port.error_state();
-        if errors != self.errors {
-            defmt::info!("CAN: {}", errors);
-            self.errors = errors;
-            self.core.interface.handle_bus(now(), bus_state(errors));
-            self.drain();
+    /// Does what is due, and has the task woken when the core wants to be called again, or a look at
+    /// the controller is due.
+    fn take_time(&mut self) {
+        let now = now();
+        let mut due = self.parts.interface.poll_timeout();
+        if due.is_some_and(|due| due <= now) {
+            self.parts.interface.handle_timeout(now);
+            self.transmit();
+            self.hand_on();
+            due = self.parts.interface.poll_timeout();
         }
-        let lost = self.core.port.take_lost();
-        if lost > 0 {
-            defmt::warn!("CAN: {=u32} frames lost", lost);
-            self.core.interface.handle_overrun();
-            self.drain();
+        let settled = self.parts.port.joined() && self.errors == ErrorState::Active;
+        let look_again = (!settled).then(|| now + LOOK_AGAIN_AFTER);
+        let due = [due, look_again].into_iter().flatten().min();
+        // An earlier request that has passed has woken the task.
+        self.armed = self.armed.filter(|armed| *armed > now);
+        if let Some(due) = due
+            && self.armed.is_none_or(|armed| due < armed)
+        {
+            embassy_time_driver::schedule_wake(due.as_micros(), &self.waker);
+            self.armed = Some(due);
         }
     }
 
-    /// Hands on what the core brought about: frames first.
-    fn drain(&mut self) {
-        self.transmit();
+    /// Hands the frames of the core to the controller as far as it takes them.
+    #[inline]
+    fn transmit(&mut self) {
+        let Parts { interface, port, .. } = &mut self.parts;
+        while let Some(frame) = interface.peek_transmit() {
+            if port.transmit(frame).is_err() {
+                break;
+            }
+            interface.take_transmit();
+        }
+    }
+
+    /// Hands on what else the core brought about.
+    fn hand_on(&mut self) {
         while !TO_APPLICATION.is_full()
-            && let Some(frame) = self.core.interface.poll_link()
+            && let Some(frame) = self.parts.interface.poll_link()
         {
             // There is room, and nobody else puts anything in.
             let _ = TO_APPLICATION.try_send(frame);
         }
-        while let Some(event) = self.core.interface.poll_event() {
+        while let Some(event) = self.parts.interface.poll_event() {
             self.act(event);
-        }
-    }
-
-    fn transmit(&mut self) {
-        while let Some(frame) = self.core.interface.peek_transmit() {
-            if self.core.port.transmit(frame).is_err() {
-                break;
-            }
-            self.core.interface.take_transmit();
         }
     }
 
@@ -201,25 +272,8 @@ impl Pass {
     }
 
     fn configure_bus(&mut self) {
-        let Core { interface, port, .. } = &mut self.core;
+        let Parts { interface, port, .. } = &mut self.parts;
         port.configure(interface.bit_rate(), interface.accepts());
-    }
-
-    /// Has the task woken when the core wants to be called, or a look at the controller is due.
-    fn arm(&mut self, waker: &Waker) {
-        let settled = self.core.port.joined() && self.errors == ErrorState::Active;
-        let look_again = (!settled).then(|| now() + LOOK_AGAIN_AFTER);
-        let due = [self.core.interface.poll_timeout(), look_again].into_iter().flatten().min();
-        // An earlier request that has passed brought the wake-up of this pass.
-        let pending = self.armed.filter(|armed| *armed > now());
-        if let Some(due) = due
-            && pending.is_none_or(|armed| due < armed)
-        {
-            embassy_time_driver::schedule_wake(due.as_micros(), waker);
-            self.armed = Some(due);
-        } else {
-            self.armed = pending;
-        }
     }
 }
 

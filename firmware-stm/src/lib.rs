@@ -1,8 +1,8 @@
 //! The shell of the CAN interface controller: pins, interrupts, tasks, flash, watchdog. What a
 //! CANopen device does is in `interface`; here is how frames, bytes and time reach it.
 //!
-//! Three levels (`firmware_board::priority`): the CAN handlers take frames out of the hardware, the
-//! core runs on an interrupt executor below them, and link, flash and watchdog run in thread mode.
+//! Two levels (`firmware_board::priority`): the core runs in the CAN handlers and on an interrupt
+//! executor of their priority; link, flash and watchdog run in thread mode.
 #![no_std]
 
 mod can;
@@ -29,6 +29,7 @@ pub async fn run(spawner: Spawner, product: &'static Product) -> ! {
     static LINK_QUEUE: ConstStaticCell<Queue<u8, LINK_QUEUE_LEN>> =
         ConstStaticCell::new(Queue::new());
     static PARAMETERS: StaticCell<Parameters> = StaticCell::new();
+    static INTERFACE: StaticCell<Interface> = StaticCell::new();
 
     let started = firmware_board::start("interface");
     let p = started.peripherals;
@@ -51,12 +52,12 @@ pub async fn run(spawner: Spawner, product: &'static Product) -> ! {
         })
         .await;
     let boot = Boot { serial_number: serial_number(), nonce: started.number.get() };
-    let mut interface = Interface::new(core_task::now(), product, boot);
+    let interface = INTERFACE.init_with(|| Interface::new(core_task::now(), product, boot));
     for (key, number) in &records {
         interface.restore(*key, *number);
     }
     let port = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
-    core_task::start(core_task::Core { interface, port, from_application });
+    core_task::start(core_task::Parts { interface, port, from_application });
     core_task::RECORDS.serve(parameters).await
 }
 

@@ -66,9 +66,15 @@ impl Frame {
         Self { id, remote: false, len: 1, data: [byte, 0, 0, 0, 0, 0, 0, 0] }
     }
 
-    /// A data frame of the first `len` bytes; all of them when there are fewer.
-    pub(crate) const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
-        Self { id, remote: false, len: if len < 8 { len } else { 8 }, data }
+    /// A data frame of the first `len` bytes of `data`; all of them when there are fewer.
+    #[must_use]
+    #[inline]
+    pub const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
+        if len >= 8 {
+            return Self::full(id, data);
+        }
+        let kept = u64::from_le_bytes(data) & !(u64::MAX << (8 * len));
+        Self { id, remote: false, len, data: kept.to_le_bytes() }
     }
 
     /// The identifier.
@@ -87,6 +93,12 @@ impl Frame {
     #[must_use]
     pub const fn dlc(&self) -> u8 {
         self.len
+    }
+
+    /// The data bytes with zeros behind them, as a transmit mailbox takes them.
+    #[must_use]
+    pub const fn padded(&self) -> [u8; DATA_MAX] {
+        self.data
     }
 
     /// The data bytes; none in a remote frame.
@@ -116,5 +128,20 @@ mod tests {
         assert_eq!(Frame::new(id, &[1, 2]).unwrap().bytes(), [1, 2, 0, 0, 0, 0, 0, 0]);
         assert_eq!(Frame::new_remote(id, 4).unwrap().data(), []);
         assert_eq!(Frame::new_remote(id, 4).unwrap().dlc(), 4);
+    }
+
+    #[test]
+    fn what_follows_the_data_is_zero() {
+        let id = CanId::new(0x100).unwrap();
+        for (len, padded) in [
+            (0, [0; 8]),
+            (3, [1, 2, 3, 0, 0, 0, 0, 0]),
+            (8, [1, 2, 3, 4, 5, 6, 7, 8]),
+            (15, [1, 2, 3, 4, 5, 6, 7, 8]),
+        ] {
+            let frame = Frame::prefix(id, [1, 2, 3, 4, 5, 6, 7, 8], len);
+            assert_eq!((frame.dlc(), frame.padded()), (len.min(8), padded));
+            assert_eq!(Frame::new(id, frame.data()), Some(frame));
+        }
     }
 }

@@ -4,5 +4,5 @@ mod bit_timing;
 mod port;
 mod registers;
 
-pub(crate) use port::{Completed, Pins, Port, Turn};
-pub(crate) use registers::ErrorState;
+pub(crate) use port::{Pins, Port};
+pub(crate) use registers::{ErrorState, Fifo, Received};

@@ -1,9 +1,9 @@
 //! The registers of CAN1 that are not left to `bxcan`: reception, because its frames cannot hold a
-//! data length code above 8, which the wire can carry; aborts that do not wait; the flags of the
-//! transmit mailboxes; error states.
+//! data length code above 8, which the wire can carry; the transmit mailboxes, because an answer
+//! must be in one 4 µs after its question was received; error states.
 use canopen::{CanId, Frame};
 use embassy_stm32::pac::CAN1;
-use embassy_stm32::pac::can::regs::{Msr, Rfr, Tsr};
+use embassy_stm32::pac::can::regs::{Msr, Rfr, Tdhr, Tdlr, Tdtr, Tir, Tsr};
 use embassy_stm32::pac::can::vals::Rtr;
 
 /// Error state of the controller (ISO 11898-1), from harmless to cut off.
@@ -47,30 +47,51 @@ pub(super) fn acknowledge_error_state() {
 }
 
 /// What became of a transmit request.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outcome {
     Sent,
     Aborted,
 }
 
-/// The outcome of `mailbox` (0..=2) if its request ended since the last call.
-pub(super) fn take_outcome(mailbox: usize) -> Option<Outcome> {
-    let flags = CAN1.tsr().read();
-    if !flags.rqcp(mailbox) {
-        return None;
+/// Transmit requests that ended.
+#[derive(Clone, Copy)]
+pub(super) struct Ended(Tsr);
+
+impl Ended {
+    /// Takes all that ended since the last call.
+    pub(super) fn take() -> Self {
+        let ended = CAN1.tsr().read();
+        // Clears TXOK, ALST and TERR of the same mailbox as well; the other bits ignore a zero.
+        let mut clear = Tsr(0);
+        for mailbox in 0..3 {
+            clear.set_rqcp(mailbox, ended.rqcp(mailbox));
+        }
+        CAN1.tsr().write_value(clear);
+        Self(ended)
     }
-    let outcome = if flags.txok(mailbox) { Outcome::Sent } else { Outcome::Aborted };
-    // Clears TXOK, ALST and TERR of this mailbox as well; the other bits ignore a zero.
-    let mut clear = Tsr(0);
-    clear.set_rqcp(mailbox, true);
-    CAN1.tsr().write_value(clear);
-    Some(outcome)
+
+    /// What became of the request of `mailbox` (0..=2), if it ended.
+    pub(super) fn outcome(self, mailbox: usize) -> Option<Outcome> {
+        let outcome = if self.0.txok(mailbox) { Outcome::Sent } else { Outcome::Aborted };
+        self.0.rqcp(mailbox).then_some(outcome)
+    }
 }
 
-/// Whether a frame can be put into a mailbox at once.
-pub(super) fn has_free_mailbox() -> bool {
-    let flags = CAN1.tsr().read();
-    (0..3).any(|mailbox| flags.tme(mailbox))
+/// Puts `frame` into `mailbox` (0..=2), which is empty, and requests its transmission.
+#[inline]
+pub(super) fn request(mailbox: usize, frame: &Frame) {
+    let place = CAN1.tx(mailbox);
+    let [a, b, c, d, e, f, g, h] = frame.padded();
+    let mut length = Tdtr(0);
+    length.set_dlc(frame.dlc());
+    place.tdtr().write_value(length);
+    place.tdlr().write_value(Tdlr(u32::from_le_bytes([a, b, c, d])));
+    place.tdhr().write_value(Tdhr(u32::from_le_bytes([e, f, g, h])));
+    let mut head = Tir(0);
+    head.set_stid(frame.id().get());
+    head.set_rtr(if frame.is_remote() { Rtr::REMOTE } else { Rtr::DATA });
+    head.set_txrq(true);
+    place.tir().write_value(head);
 }
 
 /// Takes back the request of `mailbox` (0..=2). A frame that is on the wire is finished first: the
@@ -82,7 +103,7 @@ pub(super) fn abort(mailbox: usize) {
 }
 
 /// What a receive FIFO has to say.
-pub(super) enum Received {
+pub(crate) enum Received {
     Frame(Frame),
     /// A frame was lost since the last call because the FIFO was full.
     Overrun,
@@ -90,7 +111,7 @@ pub(super) enum Received {
 
 /// The receive FIFOs.
 #[derive(Clone, Copy)]
-pub(super) enum Fifo {
+pub(crate) enum Fifo {
     Control = 0,
     Data = 1,
 }
@@ -116,18 +137,16 @@ pub(super) fn receive(fifo: Fifo) -> Option<Received> {
     }
     let mailbox = CAN1.rx(fifo as usize);
     let head = mailbox.rir().read();
-    let id = CanId::from_low_bits(u32::from(head.stid()));
-    let len = mailbox.rdtr().read().dlc().min(DLC_MAX);
+    let len = mailbox.rdtr().read().dlc();
     let [a, b, c, d] = mailbox.rdlr().read().0.to_le_bytes();
     let [e, f, g, h] = mailbox.rdhr().read().0.to_le_bytes();
-    let data = [a, b, c, d, e, f, g, h];
     let mut release = Rfr(0);
     release.set_rfom(true);
     state.write_value(release);
-    let frame = match head.rtr() {
-        Rtr::DATA if len == DLC_MAX => None,
-        Rtr::DATA => data.get(..usize::from(len)).and_then(|data| Frame::new(id, data)),
-        Rtr::REMOTE => Frame::new_remote(id, len),
-    };
-    Some(Received::Frame(frame.unwrap_or(Frame::full(id, data))))
+    let id = CanId::from_low_bits(u32::from(head.stid()));
+    let data = Frame::prefix(id, [a, b, c, d, e, f, g, h], len);
+    Some(Received::Frame(match head.rtr() {
+        Rtr::DATA => data,
+        Rtr::REMOTE => Frame::new_remote(id, len.min(DLC_MAX)).unwrap_or(data),
+    }))
 }

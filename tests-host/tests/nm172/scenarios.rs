@@ -284,8 +284,8 @@ fn the_position_is_sent_with_sync_and_by_timer() {
         2164   ms  12 in a second
         2164   ms  inhibit time 0, event timer 20 ms
         2166   ms  2B 01 18 03 00 00 00 00 -> 60 01 18 03 00 00 00 00
-        2170   ms  2B 01 18 05 14 00 00 00 -> 60 01 18 05 00 00 00 00
-        3170   ms  50 in a second
+        2169   ms  2B 01 18 05 14 00 00 00 -> 60 01 18 05 00 00 00 00
+        3169   ms  50 in a second
     "#]],
     );
 }
