@@ -9,7 +9,6 @@ mod cia_305;
 mod fastscan;
 mod network;
 mod nm17x;
-mod properties;
 
 use canopen::lss::{
     Addressing, BitRate, Event, Identification, Identity, RequestLength, Selection, Settings,

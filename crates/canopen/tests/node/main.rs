@@ -14,7 +14,6 @@ mod guarding;
 mod monitor;
 mod nmt;
 mod pdo;
-mod properties;
 mod receive;
 mod script;
 mod sdo;

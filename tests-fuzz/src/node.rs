@@ -1,0 +1,562 @@
+//! A node among frames, time and a product. The rules are those that hold whatever happens.
+
+use std::collections::BTreeSet;
+
+use canopen::{
+    Application, CanId, Event, Frame, Mapped, Node, NodeId, ReadError, Settings, State,
+    TRANSMIT_MAX, WriteError, Written, lss,
+};
+use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
+use units::{Duration, Instant};
+
+use crate::bytes::Bytes;
+use crate::device;
+
+const NMT: u16 = 0x000;
+const SDO_RESPONSE: u16 = 0x580;
+const SDO_REQUEST: u16 = 0x600;
+const ERROR_CONTROL: u16 = 0x700;
+const LSS_RESPONSE: u16 = 0x7E4;
+const LSS_REQUEST: u16 = 0x7E5;
+
+static LSS: lss::Settings = lss::Settings::CIA_305;
+static ALL_SERVICES: Settings = Settings {
+    block_transfer: canopen::BlockTransfer::Served,
+    lss: Some(&LSS),
+    ..Settings::CIA_301
+};
+
+/// Lets a node meet what `input` says.
+pub fn converse(input: &[u8]) {
+    let mut bytes = Bytes::new(input);
+    let Some(settings) = bytes.pick(&[&device::SETTINGS, &Settings::CIA_301, &ALL_SERVICES]) else {
+        return;
+    };
+    let subject = Subject { dictionary: &device::DICTIONARY, settings, node_id: device::NODE_ID };
+    let mut watch = Watch::<{ device::LEN }>::new(subject);
+    while let Some(step) = watch.next(&mut bytes) {
+        watch.run(step);
+    }
+}
+
+/// The product a node is of.
+#[derive(Clone, Copy)]
+struct Subject {
+    dictionary: &'static Dictionary,
+    settings: &'static Settings,
+    node_id: NodeId,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Receive(Frame),
+    Set {
+        slot: Slot,
+        raw: u32,
+    },
+    Emergency {
+        code: u16,
+    },
+    Errors {
+        register: u8,
+    },
+    Advance {
+        us: u64,
+    },
+    Mood(Mood),
+    Bus(Bus),
+    /// A frame leaves its mailbox again, as for a more urgent one.
+    GiveBack,
+}
+
+/// Whether mailboxes take frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bus {
+    Free,
+    Busy,
+}
+
+/// How the product answers.
+#[derive(Clone, Copy, Debug)]
+enum Mood {
+    Willing,
+    Deaf,
+    Refusing(WriteError),
+    Unreadable(ReadError),
+}
+
+impl Application for Mood {
+    fn read(&mut self, _slot: Slot, _row: &Row) -> Result<(), ReadError> {
+        match self {
+            Self::Unreadable(error) => Err(*error),
+            Self::Willing | Self::Deaf | Self::Refusing(_) => Ok(()),
+        }
+    }
+
+    fn write(&mut self, _slot: Slot, _row: &Row, _raw: u32) -> Result<Written, WriteError> {
+        match self {
+            Self::Refusing(error) => Err(*error),
+            Self::Deaf => Ok(Written::Ignored),
+            Self::Willing | Self::Unreadable(_) => Ok(Written::Taken),
+        }
+    }
+
+    fn receive(&mut self, _number: u16, _values: &[Mapped]) -> Written {
+        match self {
+            Self::Deaf => Written::Ignored,
+            Self::Willing | Self::Refusing(_) | Self::Unreadable(_) => Written::Taken,
+        }
+    }
+
+    fn write_text(&mut self, _slot: Slot, _row: &Row, _text: &[u8]) -> Result<(), WriteError> {
+        match self {
+            Self::Refusing(error) => Err(*error),
+            Self::Willing | Self::Deaf | Self::Unreadable(_) => Ok(()),
+        }
+    }
+}
+
+/// Drives a node and checks everything that leaves it.
+struct Watch<const LEN: usize> {
+    subject: Subject,
+    node: Node<LEN>,
+    mood: Mood,
+    now: Instant,
+    state: State,
+    booted: bool,
+    bus: Bus,
+    /// Frames may be older than the present state and configuration.
+    stale: bool,
+    /// Identifiers that waiting frames may have.
+    own: BTreeSet<u16>,
+    /// SDO answers that are still owed at most.
+    sdo_owed: usize,
+    /// LSS answers that are still owed at most.
+    lss_owed: usize,
+}
+
+impl<const LEN: usize> Watch<LEN> {
+    fn new(subject: Subject) -> Self {
+        let mut watch = Self {
+            subject,
+            node: Node::new(subject.dictionary, subject.node_id, subject.settings),
+            mood: Mood::Willing,
+            now: Instant::ZERO,
+            state: State::Initialising,
+            booted: false,
+            bus: Bus::Free,
+            stale: false,
+            own: BTreeSet::new(),
+            sdo_owed: 0,
+            lss_owed: 0,
+        };
+        watch.boot();
+        watch
+    }
+
+    fn boot(&mut self) {
+        let Subject { dictionary, settings, node_id } = self.subject;
+        self.node = Node::new(dictionary, node_id, settings);
+        self.booted = false;
+        self.own.clear();
+        self.node.boot(self.now);
+        self.drain();
+    }
+
+    /// The next thing to happen; `None` at the end of the input.
+    fn next(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
+        let node_id = u16::from(self.subject.node_id.get());
+        let frame = |id: u16, data: &[u8]| Frame::new(CanId::new(id).unwrap(), data).unwrap();
+        let step = match bytes.u8()? % 24 {
+            0..=7 => Step::Receive(frame(SDO_REQUEST + node_id, &self.sdo_request(bytes)?)),
+            8 => Step::Receive(frame(SDO_REQUEST + node_id, bytes.up_to(8)?)),
+            9 => {
+                let id = CanId::new(bytes.u16()? & 0x7FF)?;
+                Step::Receive(if bytes.u8()? & 1 == 0 {
+                    Frame::new(id, bytes.up_to(8)?)?
+                } else {
+                    Frame::new_remote(id, bytes.u8()? % 9)?
+                })
+            }
+            10 | 11 => {
+                let any = bytes.u8()?;
+                let command = bytes.pick(&[1, 1, 1, 1, 1, 0x80, 0x80, 2, 0x81, 0x82, any])?;
+                let node = bytes.pick(&[0, self.subject.node_id.get(), any])?;
+                Step::Receive(frame(NMT, &[command, node]))
+            }
+            12 | 13 => {
+                let id = self.value(ObjectId { index: 0x1005, sub: 0 }).unwrap_or(0x80) & 0x7FF;
+                Step::Receive(frame(id as u16, bytes.pick(&[&[][..], &[], &[1], &[1, 2]])?))
+            }
+            14 | 15 => {
+                let ids: Vec<_> = self.node.accepts().collect();
+                let accepted = bytes.pick(&ids)?;
+                let data = bytes.up_to(8)?;
+                Step::Receive(if accepted.remote {
+                    Frame::new_remote(accepted.id, data.len() as u8)?
+                } else {
+                    Frame::new(accepted.id, data)?
+                })
+            }
+            16 => {
+                let any = bytes.u8()?;
+                let command = bytes.pick(&[4, 0x11, 0x13, 0x15, 0x17, 0x51, 0x5A, 0x5E, any])?;
+                let mut data = [command, 0, 0, 0, 0, 0, 0, 0];
+                data[1] = bytes.u8()?;
+                data[2] = bytes.u8()?;
+                Step::Receive(frame(LSS_REQUEST, &data))
+            }
+            17 | 18 => {
+                let position = bytes.u16()? % LEN as u16;
+                let slot = Slot::at(self.subject.dictionary, position)?;
+                let raw = bytes.u32()?;
+                if !self.is_the_products(self.subject.dictionary.row(slot)?.id) {
+                    return Some(Step::Advance { us: u64::from(raw % 2_000) });
+                }
+                Step::Set { slot, raw }
+            }
+            19 => Step::Emergency { code: bytes.u16()? },
+            20 => Step::Errors { register: bytes.u8()? & bytes.u8()? },
+            21 => Step::Advance { us: u64::from(bytes.u8()?).pow(2) * 4 },
+            22 => Step::Mood(bytes.pick(&[
+                Mood::Willing,
+                Mood::Willing,
+                Mood::Willing,
+                Mood::Deaf,
+                Mood::Refusing(WriteError::Hardware),
+                Mood::Refusing(WriteError::NotStored),
+                Mood::Unreadable(ReadError::NoData),
+            ])?),
+            _ => bytes.pick(&[
+                Step::GiveBack,
+                Step::Bus(Bus::Busy),
+                Step::Bus(Bus::Free),
+                Step::Bus(Bus::Free),
+            ])?,
+        };
+        Some(step)
+    }
+
+    /// A request for an object that mostly exists, with a value that is mostly small.
+    fn sdo_request(&self, bytes: &mut Bytes<'_>) -> Option<Vec<u8>> {
+        let any = bytes.u8()?;
+        let command = bytes.pick(&[
+            0x40, 0x40, 0x22, 0x23, 0x23, 0x2B, 0x2F, 0x21, 0x20, 0x60, 0x70, 0xA0, 0xA4, 0xA1,
+            0xA2, 0xA3, 0xC2, 0xC6, 0xC1, 0x00, 0x01, any, any,
+        ])?;
+        let rows = self.subject.dictionary.rows();
+        let object = match bytes.u16()? {
+            other @ 0xF000.. => ObjectId { index: 0x1000 + (other & 0xFFF), sub: any },
+            known => rows[usize::from(known) % rows.len()].id,
+        };
+        let (small, now) = (u32::from(bytes.u8()?), self.value(object).unwrap_or(0));
+        let value = match bytes.u8()? % 8 {
+            0..=2 => small,
+            3 => small << 16 | u32::from(any),
+            4 => now,
+            5 => now ^ 1 << 31,
+            6 => now ^ 1 << (small % 32),
+            _ => bytes.u32()?,
+        };
+        let [low, high] = object.index.to_le_bytes();
+        let mut data = vec![command, low, high, object.sub];
+        data.extend(value.to_le_bytes());
+        data.truncate(if any % 16 == 1 { (small % 9) as usize } else { 8 });
+        Some(data)
+    }
+
+    /// Objects of the stack itself are not the product's to set.
+    const fn is_the_products(&self, object: ObjectId) -> bool {
+        object.index >= 0x2000
+    }
+
+    fn run(&mut self, step: Step) {
+        match step {
+            Step::Receive(frame) => self.receive(&frame),
+            Step::Set { slot, raw } => {
+                let row = self.subject.dictionary.row(slot).unwrap();
+                if row.permits(raw) {
+                    self.node.set_value(self.now, slot, raw);
+                }
+            }
+            Step::Emergency { code } => self.node.send_emergency(code, [0; 5]),
+            Step::Errors { register } => self.node.set_error_register(self.now, register),
+            Step::Advance { us } => self.advance(Duration::from_micros(us)),
+            Step::Mood(mood) => self.mood = mood,
+            Step::Bus(bus) => self.bus = bus,
+            Step::GiveBack => self.give_back(),
+        }
+        self.drain();
+        self.advance(Duration::ZERO);
+        if self.bus == Bus::Free {
+            (self.sdo_owed, self.lss_owed) = (0, 0);
+        }
+        if self.state == State::Initialising {
+            self.boot();
+        }
+    }
+
+    fn receive(&mut self, frame: &Frame) {
+        let sdo = SDO_REQUEST + u16::from(self.subject.node_id.get());
+        let asked = frame.id().get() == sdo && !frame.is_remote() && self.serves();
+        let command = frame.data().first().copied().unwrap_or(0);
+        if asked {
+            self.sdo_owed += self.answers_at_most(command);
+        }
+        if frame.id().get() == LSS_REQUEST {
+            self.lss_owed += 1;
+        }
+        let before = self.values();
+        self.node.handle_frame(self.now, frame, &mut self.mood);
+        let answers = self.drain();
+        match answers.as_slice() {
+            [answer] if asked => self.check_answer(frame, answer, &before),
+            [] if asked && self.bus == Bus::Free => {
+                let whole = frame.data().len() == 8 && command != 0x80;
+                assert!(!whole || self.may_be_a_segment(), "no answer to {frame:02X?}");
+            }
+            _ => {}
+        }
+    }
+
+    /// One; a block of segments to what asks for one.
+    fn answers_at_most(&self, command: u8) -> usize {
+        if self.serves_blocks() && matches!(command & 0xE3, 0xA2 | 0xA3) { 128 } else { 1 }
+    }
+
+    fn may_be_a_segment(&self) -> bool {
+        self.serves_blocks()
+    }
+
+    fn serves_blocks(&self) -> bool {
+        self.subject.settings.block_transfer == canopen::BlockTransfer::Served
+    }
+
+    fn check_answer(&self, request: &Frame, answer: &[u8], before: &[u32]) {
+        let [command, low, high, sub, value @ ..] = answer else { panic!("eight bytes") };
+        if *command == 0x80 {
+            assert_eq!(self.values(), before, "aborted, and changed: {request:02X?}");
+        }
+        let object = ObjectId { index: u16::from_le_bytes([*low, *high]), sub: *sub };
+        let is_read = request.data()[0] == 0x40 && request.data()[1..4] == answer[1..4];
+        if let (0x43 | 0x4B | 0x4F, true) = (*command, is_read) {
+            let Ok(slot) = self.subject.dictionary.find(object) else {
+                panic!("an object that is not there: {answer:02X?}")
+            };
+            let row = self.subject.dictionary.row(slot).unwrap();
+            if !is_text(row.data_type) {
+                let len = row.data_type.len();
+                let raw = self.node.values().raw(slot).to_le_bytes();
+                assert_eq!((&value[..len], 4 - len), (&raw[..len], usize::from(command >> 2 & 3)));
+            }
+        }
+    }
+
+    fn give_back(&mut self) {
+        if self.bus == Bus::Busy
+            && let Some(frame) = self.node.peek_transmit().copied()
+            && frame.id().get() != SDO_RESPONSE + u16::from(self.subject.node_id.get())
+        {
+            assert_eq!(self.node.take_transmit(), Some(frame));
+            self.node.give_back(frame);
+            assert_eq!(self.node.peek_transmit(), Some(&frame));
+        }
+    }
+
+    fn advance(&mut self, span: Duration) {
+        let until = self.now + span;
+        while let Some(due_at) = self.node.poll_timeout().filter(|&due_at| due_at <= until) {
+            self.now = self.now.max(due_at);
+            self.sdo_owed += 1;
+            self.node.handle_timeout(self.now);
+            self.drain();
+            if self.bus == Bus::Free {
+                self.sdo_owed = 0;
+            }
+            let next_at = self.node.poll_timeout();
+            assert!(next_at.is_none_or(|next_at| next_at > self.now), "the node is never done");
+        }
+        self.now = until;
+    }
+
+    /// Checks frames and events; returns the SDO answers.
+    fn drain(&mut self) -> Vec<Vec<u8>> {
+        let mut lost = false;
+        while let Some(event) = self.node.poll_event() {
+            match event {
+                Event::StateChanged { from, to } => {
+                    assert_eq!(from, self.state);
+                    self.state = to;
+                }
+                Event::ResetNode | Event::ResetCommunication => self.state = State::Initialising,
+                Event::HeartbeatLost { producer } => {
+                    assert!(self.monitors(producer.get()), "{producer:?}");
+                    lost = true;
+                }
+                Event::HeartbeatRecovered { producer } => {
+                    assert!(self.monitors(producer.get()), "{producer:?}");
+                }
+                Event::GuardingLost => lost = true,
+                Event::GuardingRecovered => {}
+                Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
+                Event::FiltersChanged => {}
+                Event::Lss(event) => self.handle_lss(event),
+                Event::TransmitOverflow { .. } => assert_eq!(self.bus, Bus::Busy),
+            }
+        }
+        assert_eq!(self.state, self.node.state());
+        self.check_values();
+        self.own.extend(self.own_ids());
+        if self.bus == Bus::Busy {
+            self.stale = true;
+            return Vec::new();
+        }
+        let mut answers = Vec::new();
+        let mut others = 0;
+        while let Some(frame) = self.node.take_transmit() {
+            if let Some(answer) = self.check_frame(&frame, lost) {
+                answers.push(answer);
+            } else {
+                others += 1;
+            }
+        }
+        assert!(others <= TRANSMIT_MAX + 1, "{others} frames waited");
+        self.stale = false;
+        self.own = self.own_ids();
+        answers
+    }
+
+    fn handle_lss(&mut self, event: lss::Event) {
+        assert!(self.subject.settings.lss.is_some(), "{event:?} without the service");
+        match event {
+            lss::Event::Store { .. } | lss::Event::StoreNodeId { .. } => {
+                self.lss_owed += 1;
+                self.node.handle_lss_stored(Ok(()));
+            }
+            lss::Event::ActivateBitTiming { .. } => self.state = State::Initialising,
+            lss::Event::Offered { .. }
+            | lss::Event::AddressingEnded
+            | lss::Event::Configured { .. } => {}
+        }
+    }
+
+    /// The data of an SDO answer.
+    fn check_frame(&mut self, frame: &Frame, lost: bool) -> Option<Vec<u8>> {
+        let (id, node_id) = (frame.id().get(), u16::from(self.subject.node_id.get()));
+        assert!(self.own.contains(&id), "the identifier of another node: {frame:02X?}");
+        assert!(!frame.is_remote(), "{frame:02X?}");
+        if id == SDO_RESPONSE + node_id {
+            assert_eq!(frame.dlc(), 8);
+            assert!(self.serves() || self.stale, "{frame:02X?}");
+            let left = self.sdo_owed.checked_sub(1);
+            self.sdo_owed = left.unwrap_or_else(|| panic!("nobody asked for {frame:02X?}"));
+            return Some(frame.data().to_vec());
+        }
+        if id == LSS_RESPONSE {
+            assert_eq!(frame.dlc(), 8);
+            let left = self.lss_owed.checked_sub(1);
+            self.lss_owed = left.unwrap_or_else(|| panic!("nobody asked for {frame:02X?}"));
+        } else if id == ERROR_CONTROL + node_id {
+            self.check_error_control(frame);
+        } else if !self.stale && !self.is_emergency(id) {
+            self.check_pdo(frame);
+        } else if !self.stale {
+            assert!(self.serves() || lost, "{frame:02X?}");
+            assert_eq!(frame.dlc(), 8);
+        }
+        None
+    }
+
+    fn check_error_control(&mut self, frame: &Frame) {
+        let &[byte] = frame.data() else { panic!("{frame:02X?}") };
+        let expected = match self.state {
+            _ if !self.booted => 0x00,
+            State::PreOperational => 0x7F,
+            State::Operational => 0x05,
+            State::Stopped => 0x04,
+            State::Initialising => panic!("a heartbeat from a node that is off"),
+        };
+        self.booted = true;
+        assert!(byte & 0x7F == expected || self.stale, "{byte:#04X} in {:?}", self.state);
+    }
+
+    /// A process data object has the values of what it maps.
+    fn check_pdo(&self, frame: &Frame) {
+        assert_eq!(self.state, State::Operational, "{frame:02X?}");
+        let numbers = (0..512_u16).filter(|number| {
+            let cob_id = self.value(ObjectId { index: 0x1800 + number, sub: 1 });
+            cob_id.is_some_and(|cob_id| valid(cob_id) == Some(frame.id().get()))
+        });
+        let mut wanted = numbers.map(|number| self.mapped(0x1A00 + number));
+        assert!(wanted.any(|data| data == frame.data()), "{frame:02X?}");
+    }
+
+    fn mapped(&self, index: u16) -> Vec<u8> {
+        let value = |sub| self.value(ObjectId { index, sub }).unwrap_or(0);
+        let entries = (1..=value(0) as u8).map(value);
+        entries
+            .flat_map(|entry| {
+                let [bits, sub, low, high] = entry.to_le_bytes();
+                let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
+                let raw = self.value(object).unwrap_or(0).to_le_bytes();
+                raw[..usize::from(bits / 8)].to_vec()
+            })
+            .collect()
+    }
+
+    /// What a master cannot write is not there.
+    fn check_values(&self) {
+        for (slot, row) in self.subject.dictionary.slots() {
+            if row.pdo == PdoMapping::Receive {
+                assert!(row.permits(self.node.values().raw(slot)), "{:?}", row.id);
+            }
+        }
+    }
+
+    fn own_ids(&self) -> BTreeSet<u16> {
+        let node_id = u16::from(self.subject.node_id.get());
+        let mut ids = BTreeSet::from([SDO_RESPONSE + node_id, ERROR_CONTROL + node_id]);
+        if self.subject.settings.lss.is_some() {
+            ids.insert(LSS_RESPONSE);
+        }
+        let rows = self.subject.dictionary.rows().iter().map(|row| row.id);
+        let cob_ids = rows
+            .filter(|id| id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1);
+        ids.extend(cob_ids.filter_map(|id| valid(self.value(id)?)));
+        ids
+    }
+
+    fn is_emergency(&self, id: u16) -> bool {
+        self.value(ObjectId { index: 0x1014, sub: 0 }).and_then(valid) == Some(id)
+    }
+
+    fn monitors(&self, producer: u8) -> bool {
+        let entries = (1..=127).filter_map(|sub| self.value(ObjectId { index: 0x1016, sub }));
+        entries
+            .into_iter()
+            .any(|entry| entry >> 16 & 0xFF == u32::from(producer) && entry & 0xFFFF != 0)
+    }
+
+    const fn serves(&self) -> bool {
+        matches!(self.state, State::PreOperational | State::Operational)
+    }
+
+    fn values(&self) -> Vec<u32> {
+        let slots = self.subject.dictionary.slots();
+        slots.map(|(slot, _)| self.node.values().raw(slot)).collect()
+    }
+
+    /// `None` when the product does not have the object.
+    fn value(&self, object: ObjectId) -> Option<u32> {
+        self.subject.dictionary.find(object).ok().map(|slot| self.node.values().raw(slot))
+    }
+}
+
+/// The identifier of a COB-ID that is in use.
+fn valid(cob_id: u32) -> Option<u16> {
+    (cob_id & 1 << 31 == 0).then_some((cob_id & 0x7FF) as u16)
+}
+
+fn is_text(data_type: DataType) -> bool {
+    matches!(data_type, DataType::VisibleString(_))
+}
