@@ -101,7 +101,7 @@ impl Application for Mood {
         }
     }
 
-    fn receive(&mut self, _number: u16, _values: &[Mapped]) -> Written {
+    fn receive(&mut self, _number: u16, _values: &Mapped<'_>) -> Written {
         match self {
             Self::Deaf => Written::Ignored,
             Self::Willing | Self::Refusing(_) | Self::Unreadable(_) => Written::Taken,

@@ -1,5 +1,7 @@
 use object_dictionary::{Row, Slot};
 
+use crate::pdo::Mapped;
+
 /// The product behind the object dictionary. Every hook has a default that leaves all to the stack.
 ///
 /// The stack calls a hook only after all of its own checks have passed, at most one per request.
@@ -31,7 +33,7 @@ pub trait Application {
 
     /// Asked before the numbers of the receive PDO 0x1400 + `number`, which their rows permit, are
     /// stored, all or none.
-    fn receive(&mut self, number: u16, values: &[Mapped]) -> Written {
+    fn receive(&mut self, number: u16, values: &Mapped<'_>) -> Written {
         let _ = (number, values);
         Written::Taken
     }
@@ -48,17 +50,6 @@ pub trait Application {
 
 /// A product without hooks: what the dictionary says is all.
 impl Application for () {}
-
-/// A number that a receive PDO carries for an object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mapped {
-    /// Where it goes.
-    pub slot: Slot,
-    /// The row there.
-    pub row: &'static Row,
-    /// The number, in 32 bits.
-    pub raw: u32,
-}
 
 /// What becomes of a written number. The client sees success either way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -58,6 +58,7 @@ pub(crate) struct CobId(u32);
 impl CobId {
     const INVALID: u32 = 1 << 31;
     const GENERATE: u32 = 1 << 30;
+    const NO_REMOTE: u32 = 1 << 30;
     const EXTENDED: u32 = 1 << 29;
 
     pub(crate) const fn from_raw(raw: u32) -> Self {
@@ -73,9 +74,25 @@ impl CobId {
         if self.0 & Self::INVALID == 0 { Some(self.can_id()) } else { None }
     }
 
-    /// Whether a PDO may have it: eleven bits, and not one of the restricted identifiers.
+    /// Whether it says that the PDO exists, with the identifier `id`.
+    pub(crate) fn is_valid_with(self, id: CanId) -> bool {
+        self.0 & (Self::INVALID | 0x7FF) == u32::from(id.get())
+    }
+
+    /// Whether remote frames may ask for the PDO: bit 30 is not set.
+    pub(crate) const fn allows_remote(self) -> bool {
+        self.0 & Self::NO_REMOTE == 0
+    }
+
+    /// Whether it has no identifier of 29 bits.
+    pub(crate) const fn has_eleven_bits(self) -> bool {
+        self.0 & Self::EXTENDED == 0
+    }
+
+    /// Whether a PDO may have it: eleven bits, and not one of the restricted identifiers as long as
+    /// the PDO exists.
     pub(crate) fn suits_pdo(self) -> bool {
-        self.0 & Self::EXTENDED == 0 && !is_restricted(self.can_id())
+        self.has_eleven_bits() && !self.valid().is_some_and(is_restricted)
     }
 
     /// Whether emergency messages may have it: eleven bits, and not one of the restricted
@@ -128,6 +145,7 @@ mod tests {
             (0xC000_057F, true, false),
             (0x2000_0181, false, false),
             (0x0000_0000, false, false),
+            (0x8000_0000, true, false),
             (0x0000_0180, false, false),
             (0x0000_0581, false, false),
             (0x0000_0600, true, true),

@@ -10,6 +10,10 @@ impl Deadline {
     /// Nothing is due.
     pub(crate) const NEVER: Self = Self(Instant::from_micros(u64::MAX));
 
+    pub(crate) const fn at(instant: Instant) -> Self {
+        Self(instant)
+    }
+
     /// One `time` after `now`; no time at all switches off.
     pub(crate) fn after(now: Instant, time: Duration) -> Self {
         if time > Duration::ZERO { Self(now + time) } else { Self::NEVER }

@@ -16,8 +16,9 @@
 //! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
 //! | | node guarding and life guarding (0x100C, 0x100D) where no heartbeat is produced |
 //! | SDO server | one; expedited and segmented, in blocks where [`Settings::block_transfer`] asks for it; both ways |
-//! | PDO | transmit: types 1 to 240, 254, 255; inhibit time, event timer, fixed mapping |
-//! | | receive: types 0 to 240, 254, 255; deadline, fixed mapping |
+//! | PDO | transmit: types 0 to 240, 252 to 255; remote frames, inhibit time, event timer, SYNC start value |
+//! | | receive: types 0 to 240, 254, 255; deadline |
+//! | | mapping: fixed, or changed by masters where the rows may be written; whole bytes, dummy entries |
 //! | SYNC | consumer |
 //! | EMCY | identifier (0x1014), inhibit time, error field (0x1003), error reset with the error register |
 //! | LSS (CiA 305) | all services, where [`Settings::lss`] asks for it |
@@ -56,14 +57,15 @@ mod settings;
 mod sync;
 
 pub use acceptance::Accepted;
-pub use application::{Application, Mapped, ReadError, WriteError, Written};
+pub use application::{Application, ReadError, WriteError, Written};
 pub use cob_id::NodeId;
 pub use frame::{CanId, DATA_MAX, Frame};
 pub use nmt::State;
 pub use node::{Event, Node};
 pub use outbox::TRANSMIT_MAX;
+pub use pdo::Mapped;
 pub use sdo::AbortCode;
 pub use settings::{
-    AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, ReceiveErrors,
-    Settings, Trigger,
+    AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, PdoChanges,
+    PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, SyncDivision, Trigger,
 };

@@ -1,9 +1,9 @@
-use heapless::{Deque, Vec};
+use heapless::Deque;
 use object_dictionary::{Dictionary, ObjectId, Slot, Values};
 use units::Instant;
 
 use crate::acceptance::{Accepted, Screen};
-use crate::application::{Application, Written};
+use crate::application::Application;
 use crate::cob_id::{self, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::emcy;
@@ -13,7 +13,7 @@ use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
-use crate::pdo::{RPDO_MAX, Received, Rpdo, TPDO_MAX, Tpdo};
+use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Objects};
 use crate::settings::{Emergency, Settings};
 use crate::sync;
@@ -68,8 +68,8 @@ pub struct Node<const LEN: usize> {
     emergencies: emcy::Producer,
     sdo: sdo::Server,
     lss: Option<lss::Slave>,
-    rpdos: Vec<Rpdo, RPDO_MAX>,
-    tpdos: Vec<Tpdo, TPDO_MAX>,
+    rpdos: Rpdos,
+    tpdos: Tpdos,
     outbox: Outbox,
     overflow: Overflow,
     screen: Screen,
@@ -144,14 +144,6 @@ impl<const LEN: usize> Node<LEN> {
         let value = |object| dictionary.find(object).ok().map(|slot| values.raw(slot));
         let mut heartbeat = heartbeat::Producer::default();
         heartbeat.set_period_ms(value(HEARTBEAT_TIME).unwrap_or(0));
-        let mut rpdos = Vec::new();
-        for rpdo in (0..).take(RPDO_MAX).filter_map(|number| Rpdo::new(number, &values)) {
-            let _ = rpdos.push(rpdo);
-        }
-        let mut tpdos = Vec::new();
-        for tpdo in (0..).take(TPDO_MAX).filter_map(|number| Tpdo::new(number, &values, settings)) {
-            let _ = tpdos.push(tpdo);
-        }
         Self {
             node_id,
             settings,
@@ -164,8 +156,8 @@ impl<const LEN: usize> Node<LEN> {
             emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
             lss: None,
-            rpdos,
-            tpdos,
+            rpdos: Rpdos::new(&values),
+            tpdos: Tpdos::new(&values, &settings.pdo),
             outbox: Outbox::default(),
             overflow: Overflow::Reportable { lost_before: 0 },
             screen: Screen::CLOSED,
@@ -226,13 +218,12 @@ impl<const LEN: usize> Node<LEN> {
     /// When [`Self::handle_timeout`] has something to do. `None` as long as nothing happens.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        let rpdos = self.rpdos.iter().filter_map(Rpdo::due_at);
-        let tpdos = self.tpdos.iter().filter_map(Tpdo::due_at);
         let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
-        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at).instant();
-        let control = [self.heartbeat.due_at(), self.monitored.due_at(), guarding];
+        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at);
+        let deadlines = guarding.min(self.rpdos.due_at()).min(self.tpdos.due_at()).instant();
+        let control = [self.heartbeat.due_at(), self.monitored.due_at(), deadlines];
         let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(control);
-        due.flatten().chain(rpdos).chain(tpdos).min()
+        due.flatten().min()
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -312,9 +303,17 @@ impl<const LEN: usize> Node<LEN> {
         .into_iter()
         .flatten()
         .chain(self.monitored.ids())
-        .chain(self.rpdos.iter().filter_map(Rpdo::id))
+        .chain(self.rpdos.ids())
         .map(data)
-        .chain(guarding.map(remote))
+        .chain(guarding.into_iter().chain(self.tpdos.remote_ids()).map(remote))
+    }
+
+    /// The product has an event for the transmit PDO 0x1800 + `number`: it goes out as if its data
+    /// had changed, with a SYNC if its type is 0. Nothing happens in other states than Operational,
+    /// and to types that know no events.
+    pub fn trigger_tpdo(&mut self, now: Instant, number: u16) {
+        self.tpdos.trigger(number);
+        self.transmit_due(now);
     }
 
     /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
@@ -379,7 +378,7 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_sdo(now, frame, application);
         } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
             self.handle_sync(now, application);
-        } else if self.rpdos.iter().any(|rpdo| rpdo.id() == Some(id)) {
+        } else if self.rpdos.listen_to(id) {
             self.handle_rpdo(now, frame, application);
         } else if id == cob_id::NMT {
             self.handle_nmt(now, frame);
@@ -394,6 +393,8 @@ impl<const LEN: usize> Node<LEN> {
     fn handle_remote(&mut self, now: Instant, id: CanId) {
         if id == Service::ErrorControl.id(self.node_id) {
             self.handle_guarding(now);
+        } else {
+            self.tpdos.handle_remote(now, id, &self.values, &mut self.outbox);
         }
     }
 
@@ -485,70 +486,27 @@ impl<const LEN: usize> Node<LEN> {
 
     /// What waited for the SYNC is taken over before PDOs go out with it.
     fn handle_sync(&mut self, now: Instant, application: &mut impl Application) {
-        for position in 0..self.rpdos.len() {
-            if let Some(bytes) = self.rpdos.get_mut(position).and_then(Rpdo::take_waiting) {
-                self.take_over(now, position, bytes, application);
-            }
-        }
-        for tpdo in &mut self.tpdos {
-            if tpdo.handle_sync()
-                && let Some(frame) = tpdo.transmit(now, &self.values)
-            {
-                self.outbox.supersede(frame);
-            }
-        }
+        let Self { values, tpdos, rpdos, outbox, .. } = self;
+        rpdos.handle_sync(&mut Target { values, tpdos, application });
+        tpdos.handle_sync(None, values, outbox);
+        self.transmit_due(now);
     }
 
     fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
         if self.state != State::Operational {
             return;
         }
-        for position in 0..self.rpdos.len() {
-            let Some(rpdo) = self.rpdos.get_mut(position) else { break };
-            let received = rpdo.handle(now, frame);
-            let too_long = received != Received::Nothing && rpdo.is_exceeded_by(frame.dlc());
-            if too_long {
-                self.say(self.settings.receive_errors.too_long);
-            }
-            match received {
-                Received::Values(bytes) => self.take_over(now, position, bytes, application),
-                Received::TooShort => self.say(self.settings.receive_errors.too_short),
-                Received::Waits | Received::Nothing => {}
-            }
-        }
+        let Self { values, tpdos, rpdos, settings, .. } = self;
+        let target = &mut Target { values, tpdos, application };
+        let error = rpdos.handle_frame(now, frame, &settings.receive_errors, target);
+        self.say(error);
         self.transmit_due(now);
     }
 
-    /// Takes the values of a receive PDO over, all or none.
-    fn take_over(
-        &mut self,
-        now: Instant,
-        position: usize,
-        bytes: [u8; 8],
-        application: &mut impl Application,
-    ) {
-        let Some(rpdo) = self.rpdos.get(position) else { return };
-        let Some(mapped) = rpdo.unpack(bytes, &self.values) else {
-            return self.say(self.settings.receive_errors.value);
-        };
-        match application.receive(rpdo.number(), &mapped) {
-            Written::Taken => {
-                for mapped in mapped {
-                    self.set_value(now, mapped.slot, mapped.raw);
-                }
-            }
-            Written::Ignored => {}
-        }
-    }
-
     fn report_overdue(&mut self, now: Instant) {
-        for position in 0..self.rpdos.len() {
-            let Some(rpdo) = self.rpdos.get_mut(position) else { break };
-            if rpdo.take_due(now) {
-                let number = rpdo.number();
-                self.report(Event::PdoOverdue { number });
-                self.say(self.settings.receive_errors.overdue);
-            }
+        while let Some(number) = self.rpdos.take_due(now) {
+            self.report(Event::PdoOverdue { number });
+            self.say(self.settings.receive_errors.overdue);
         }
     }
 
@@ -646,7 +604,7 @@ impl<const LEN: usize> Node<LEN> {
             return;
         }
         match to {
-            State::Operational => self.tpdos.iter_mut().for_each(|tpdo| tpdo.start(now)),
+            State::Operational => self.tpdos.start(now),
             State::PreOperational => self.stop_pdos(),
             State::Stopped | State::Initialising => {
                 self.stop_pdos();
@@ -659,10 +617,10 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn stop_pdos(&mut self) {
-        self.rpdos.iter_mut().for_each(Rpdo::stop);
-        self.tpdos.iter_mut().for_each(Tpdo::stop);
+        self.rpdos.stop();
+        self.tpdos.stop();
         let tpdos = &self.tpdos;
-        self.outbox.retain(|frame| !tpdos.iter().any(|tpdo| tpdo.sends(frame.id())));
+        self.outbox.retain(|frame| !tpdos.send(frame.id()));
     }
 
     /// Ends all activity for good.
@@ -675,8 +633,8 @@ impl<const LEN: usize> Node<LEN> {
         }
         self.screen = Screen::CLOSED;
         self.sdo.stop();
-        self.rpdos.iter_mut().for_each(Rpdo::stop);
-        self.tpdos.iter_mut().for_each(Tpdo::stop);
+        self.rpdos.stop();
+        self.tpdos.stop();
         self.outbox.clear();
         self.report(reason);
     }
@@ -705,21 +663,13 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn transmit_due(&mut self, now: Instant) {
-        for tpdo in &mut self.tpdos {
-            if tpdo.due_at().is_some_and(|due_at| due_at <= now)
-                && let Some(frame) = tpdo.transmit(now, &self.values)
-            {
-                self.outbox.supersede(frame);
-            }
-        }
+        self.tpdos.transmit_due(now, &self.values, &mut self.outbox);
     }
 
     /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
     /// PDOs.
     fn note_change(&mut self, now: Instant, slot: Slot) {
-        for tpdo in &mut self.tpdos {
-            tpdo.note_change(now, slot);
-        }
+        self.tpdos.note_change(slot);
         let Some(row) = self.values.dictionary().row(slot) else { return };
         let raw = self.values.raw(slot);
         match row.id.index {
@@ -752,14 +702,8 @@ impl<const LEN: usize> Node<LEN> {
                 self.update_error_register(now);
             }
             0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
-            index @ 0x1400..=0x15FF => {
-                let mut described =
-                    self.rpdos.iter_mut().filter(|rpdo| rpdo.is_described_by(index));
-                if described.any(|rpdo| rpdo.reread(&self.values)) {
-                    self.change_filters();
-                }
-            }
-            index @ 0x1800..=0x19FF => self.reread_tpdo(now, index),
+            index @ 0x1400..=0x17FF => self.reread_rpdo(index),
+            index @ 0x1800..=0x1BFF => self.reread_tpdo(now, index),
             _ => {}
         }
     }
@@ -786,10 +730,18 @@ impl<const LEN: usize> Node<LEN> {
         self.screen = screen;
     }
 
+    fn reread_rpdo(&mut self, index: u16) {
+        if self.rpdos.reread(index, &self.values) {
+            self.change_filters();
+        }
+    }
+
     fn reread_tpdo(&mut self, now: Instant, index: u16) {
-        let running = self.state == State::Operational;
-        for tpdo in self.tpdos.iter_mut().filter(|tpdo| tpdo.is_described_by(index)) {
-            tpdo.reread(now, running, &self.values, self.settings);
+        if self.tpdos.reread(now, index, &self.values, &self.settings.pdo) {
+            self.change_filters();
+        }
+        if self.state == State::Operational {
+            self.tpdos.start(now);
         }
     }
 

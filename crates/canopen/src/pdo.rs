@@ -1,8 +1,20 @@
+mod configuration;
+mod entry;
 mod mapping;
 mod rpdo;
+mod rpdos;
 mod tpdo;
+mod tpdos;
 mod transmission;
 
-pub(crate) use rpdo::{RPDO_MAX, Received, Reception, Rpdo};
-pub(crate) use tpdo::{TPDO_MAX, Tpdo};
-pub(crate) use transmission::Transmission;
+pub(crate) use configuration::check;
+pub use mapping::Mapped;
+pub(crate) use rpdos::{RPDO_MAX, Rpdos, Target};
+pub(crate) use tpdos::Tpdos;
+
+/// Which way a PDO goes, as the device sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Direction {
+    Receive,
+    Transmit,
+}

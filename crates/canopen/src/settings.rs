@@ -6,12 +6,8 @@ use crate::sdo::AbortCode;
 /// What products do differently, as data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// One step of the inhibit times 0x1800:03 and following.
-    pub inhibit_unit: Duration,
-    /// What starts a PDO of transmission type 254.
-    pub type_254: Trigger,
-    /// What starts a PDO of transmission type 255.
-    pub type_255: Trigger,
+    /// How PDOs are configured and sent.
+    pub pdo: PdoRules,
     /// Which lengths an expedited download may indicate.
     pub expedited: Expedited,
     /// The emergency messages about receive PDOs.
@@ -24,6 +20,61 @@ pub struct Settings {
     pub lss: Option<&'static lss::Settings>,
     /// The abort codes that products choose differently.
     pub abort_codes: AbortCodes,
+}
+
+/// How PDOs are configured and sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PdoRules {
+    /// One step of the inhibit times 0x1800:03 and following.
+    pub inhibit_unit: Duration,
+    /// What starts a PDO of transmission type 254.
+    pub type_254: Trigger,
+    /// What starts a PDO of transmission type 255.
+    pub type_255: Trigger,
+    /// What transmission types 1 to 240 count.
+    pub sync_division: SyncDivision,
+    /// Which transmit PDOs answer remote frames, if bit 30 of their COB-ID allows it.
+    pub remote_requests: RemoteRequests,
+    /// When clients may change identifier, inhibit time and SYNC start value.
+    pub changes: PdoChanges,
+    /// Which identifiers clients may choose.
+    pub identifiers: PdoIdentifiers,
+}
+
+/// What transmission types 1 to 240 count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SyncDivision {
+    /// The PDO goes out with every n-th SYNC.
+    EveryNth,
+    /// The PDO goes out with every SYNC, whatever the number.
+    None,
+}
+
+/// Which transmit PDOs answer remote frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RemoteRequests {
+    /// Those of all transmission types.
+    AllTypes,
+    /// Those of transmission types 252 and 253.
+    RemoteTypes,
+}
+
+/// When clients may change identifier, inhibit time and SYNC start value of a PDO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PdoChanges {
+    /// While it is switched off (bit 31 of its COB-ID).
+    WhileOff,
+    /// Always.
+    AnyTime,
+}
+
+/// Which identifiers of eleven bits clients may choose for a PDO that is switched on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PdoIdentifiers {
+    /// All but the restricted ones (CiA 301, section 7.3.5).
+    Unrestricted,
+    /// All that the row permits.
+    Any,
 }
 
 /// What starts an event-driven PDO.
@@ -109,9 +160,15 @@ pub struct AbortCodes {
 impl Settings {
     /// As CiA 301 has it.
     pub const CIA_301: Self = Self {
-        inhibit_unit: Duration::from_micros(100),
-        type_254: Trigger::ChangeOrTimer,
-        type_255: Trigger::ChangeOrTimer,
+        pdo: PdoRules {
+            inhibit_unit: Duration::from_micros(100),
+            type_254: Trigger::ChangeOrTimer,
+            type_255: Trigger::ChangeOrTimer,
+            sync_division: SyncDivision::EveryNth,
+            remote_requests: RemoteRequests::AllTypes,
+            changes: PdoChanges::WhileOff,
+            identifiers: PdoIdentifiers::Unrestricted,
+        },
         expedited: Expedited::AnyLength,
         receive_errors: ReceiveErrors {
             too_short: Some(Emergency { code: 0x8210, manufacturer: [0; 5] }),

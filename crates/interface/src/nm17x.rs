@@ -1,17 +1,21 @@
 //! The ways of the NM17x on the bus.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited,
-    ReceiveErrors, Settings, Trigger,
+    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, PdoChanges,
+    PdoRules, ReceiveErrors, Settings, Trigger,
 };
 use units::Duration;
 
 /// What NM17x devices do differently from CiA 301 (A-10, A-12, A-19, A-20,
 ///
 pub(crate) static SETTINGS: Settings = Settings {
-    inhibit_unit: Duration::from_millis(1),
-    type_254: Trigger::Timer,
-    type_255: Trigger::Change,
+    pdo: PdoRules {
+        inhibit_unit: Duration::from_millis(1),
+        type_254: Trigger::Timer,
+        type_255: Trigger::Change,
+        changes: PdoChanges::AnyTime,
+        ..Settings::CIA_301.pdo
+    },
     expedited: Expedited::OneTwoOrFour,
     receive_errors: ReceiveErrors {
         too_short: Some(Emergency { code: 0x8210, manufacturer: [0, 0, 0, 0, 1] }),

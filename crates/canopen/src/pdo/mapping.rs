@@ -1,97 +1,168 @@
 use heapless::Vec;
-use object_dictionary::{ObjectId, Slot, Values};
+use object_dictionary::{DataType, Dictionary, ObjectId, Slot, Values};
 
-use crate::application::Mapped;
-use crate::frame::{CanId, DATA_MAX, Frame};
+use super::entry::Entry;
+use crate::frame::DATA_MAX;
 
 /// Objects that one PDO may carry.
-pub(super) const MAPPED_MAX: usize = 8;
+pub(super) const MAPPED_MAX: u8 = 8;
 
-const BITS_MAX: u32 = 64;
-const _: () = assert!(BITS_MAX as usize == 8 * DATA_MAX);
+/// Bytes that one PDO may carry.
+pub(super) const LEN_MAX: u8 = 8;
+const _: () = assert!(LEN_MAX as usize == DATA_MAX);
+
+/// The bytes of a PDO, followed by as many as the longest number has: four can be read or written
+/// wherever a field begins.
+pub(super) type Bytes = [u8; DATA_MAX + size_of::<u32>()];
 
 /// What a PDO carries, looked up once (CiA 301, section 7.5.2.36).
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Mapping {
-    fields: Vec<Field, MAPPED_MAX>,
-    bits: u32,
+    fields: Vec<Field, { MAPPED_MAX as usize }, u8>,
+    len: u8,
+    limited: bool,
 }
 
-/// Where the bits of one object lie. Without a slot they are zero when sent and dropped when
-/// received: the product does not have the object.
-#[derive(Clone, Copy, Debug)]
+/// Where the bytes of one object lie. Objects that the product does not have are no fields: their
+/// bytes are zero when sent and dropped when received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Field {
-    slot: Option<Slot>,
-    shift: u32,
-    mask: u32,
+    slot: Slot,
+    at: u8,
+    width: Width,
+}
+
+/// How much of 32 bits a number is: the bits above it, and whether they repeat its sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Width(u8);
+
+/// The numbers that a receive PDO brings.
+#[derive(Clone, Copy, Debug)]
+pub struct Mapped<'a> {
+    fields: &'a [Field],
+    bytes: &'a Bytes,
 }
 
 impl Mapping {
-    /// Reads the mapping object with this index. Entries that would exceed eight bytes, or
-    /// [`MAPPED_MAX`], are left out.
+    /// Reads the mapping object with this index, up to the first entry that does not fit.
     pub(super) fn read<const LEN: usize>(values: &Values<LEN>, index: u16) -> Self {
         let dictionary = values.dictionary();
-        let entry = |sub| Some(values.raw(dictionary.find(ObjectId { index, sub }).ok()?));
+        let value = |sub| Some(values.raw(dictionary.find(ObjectId { index, sub }).ok()?));
         let mut mapping = Self::default();
-        let [count, ..] = entry(0).unwrap_or(0).to_le_bytes();
-        for mapped in (1..=count).map_while(entry) {
-            let [bits, sub, index @ ..] = mapped.to_le_bytes();
-            let bits = u32::from(bits).min(u32::BITS);
-            let object = ObjectId { index: u16::from_le_bytes(index), sub };
-            let field = Field {
-                slot: dictionary.find(object).ok(),
-                shift: mapping.bits,
-                mask: u32::MAX.checked_shr(u32::BITS - bits).unwrap_or(0),
-            };
-            if mapping.bits + bits > BITS_MAX || mapping.fields.push(field).is_err() {
-                break;
-            }
-            mapping.bits += bits;
+        let count = value(0).unwrap_or(0).min(u32::from(MAPPED_MAX));
+        for entry in (1..).zip(0..count).map_while(|(sub, _)| value(sub)).map(Entry::from_raw) {
+            let at = mapping.len;
+            let Some(len) = entry.byte_len().filter(|len| at + len <= LEN_MAX) else { break };
+            mapping.len += len;
+            let Ok(slot) = dictionary.find(entry.object) else { continue };
+            let Some(row) = dictionary.row(slot) else { continue };
+            let Some(width) = Width::new(len, row.data_type) else { continue };
+            let _ = mapping.fields.push(Field { slot, at, width });
+            mapping.limited |= !row.is_unlimited();
         }
         mapping
     }
 
+    /// The lowest and the highest of the slots it carries.
+    pub(super) fn span(&self) -> Option<(Slot, Slot)> {
+        let slots = || self.fields.iter().map(|field| field.slot);
+        Some((slots().min()?, slots().max()?))
+    }
+
     pub(super) fn carries(&self, slot: Slot) -> bool {
-        self.fields.iter().any(|field| field.slot == Some(slot))
-    }
-
-    pub(super) const fn is_empty(&self) -> bool {
-        self.bits == 0
-    }
-
-    /// The frame with the present values, the first object in the lowest bits.
-    pub(super) fn frame<const LEN: usize>(&self, id: CanId, values: &Values<LEN>) -> Frame {
-        let data = self.fields.iter().fold(0_u64, |data, field| {
-            let raw = field.slot.map_or(0, |slot| values.raw(slot));
-            data | u64::from(raw & field.mask) << field.shift
-        });
-        Frame::prefix(id, data.to_le_bytes(), self.byte_len())
+        self.fields.iter().any(|field| field.slot == slot)
     }
 
     /// Length of the data, 0 to 8 bytes.
     pub(super) const fn byte_len(&self) -> u8 {
-        let [len, ..] = self.bits.div_ceil(8).to_le_bytes();
-        len
+        self.len
     }
 
-    /// The numbers that the objects would have. `None` when one of them is not permitted.
-    pub(super) fn unpack<const LEN: usize>(
-        &self,
-        bytes: [u8; 8],
-        values: &Values<LEN>,
-    ) -> Option<Vec<Mapped, MAPPED_MAX>> {
-        let data = u64::from_le_bytes(bytes);
-        let mut unpacked = Vec::new();
+    /// The present values, the first object in the first bytes.
+    pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> [u8; DATA_MAX] {
+        let mut bytes: Bytes = [0; _];
         for field in &self.fields {
-            let found = field.slot.and_then(|slot| Some((slot, values.dictionary().row(slot)?)));
-            let Some((slot, row)) = found else { continue };
-            let [a, b, c, d, ..] = (data >> field.shift).to_le_bytes();
-            let raw = row.data_type.widen(u32::from_le_bytes([a, b, c, d]) & field.mask);
-            if !row.permits(raw) {
-                return None;
+            let word = field.width.low_bytes(values.raw(field.slot)).to_le_bytes();
+            if let Some(place) = bytes.get_mut(field.start()..).and_then(<[u8]>::first_chunk_mut) {
+                *place = word;
             }
-            unpacked.push(Mapped { slot, row, raw }).ok()?;
         }
-        Some(unpacked)
+        bytes.first_chunk().copied().unwrap_or_default()
+    }
+
+    /// Whether all numbers in `bytes` may be written.
+    pub(super) fn permits(&self, bytes: &Bytes, dictionary: &Dictionary) -> bool {
+        let permitted = |(slot, raw)| dictionary.row(slot).is_some_and(|row| row.permits(raw));
+        !self.limited || self.scatter(bytes).iter().all(permitted)
+    }
+
+    /// The numbers in `bytes`.
+    pub(super) fn scatter<'a>(&'a self, bytes: &'a Bytes) -> Mapped<'a> {
+        Mapped { fields: &self.fields, bytes }
+    }
+}
+
+impl Mapped<'_> {
+    /// Each object with its number in 32 bits, in the order of the mapping.
+    pub fn iter(&self) -> impl Iterator<Item = (Slot, u32)> {
+        self.fields.iter().map(|field| (field.slot, field.number(self.bytes)))
+    }
+
+    /// The number for the object at `slot`. `None` when the PDO does not carry it.
+    #[must_use]
+    pub fn get(&self, slot: Slot) -> Option<u32> {
+        self.iter().find_map(|(mapped, raw)| (mapped == slot).then_some(raw))
+    }
+}
+
+impl Field {
+    const fn start(self) -> usize {
+        (self.at % LEN_MAX) as usize
+    }
+
+    fn number(self, bytes: &Bytes) -> u32 {
+        let word = bytes.get(self.start()..).and_then(<[u8]>::first_chunk);
+        self.width.number(word.map_or(0, |word| u32::from_le_bytes(*word)))
+    }
+}
+
+impl Width {
+    const SIGNED: u8 = 1 << 7;
+
+    /// `None` when `len` bytes are no number.
+    const fn new(len: u8, data_type: DataType) -> Option<Self> {
+        let spare = match len {
+            1 => 24,
+            2 => 16,
+            3 => 8,
+            4 => 0,
+            _ => return None,
+        };
+        let sign = match data_type {
+            DataType::Integer8 | DataType::Integer16 | DataType::Integer32 => Self::SIGNED,
+            DataType::Unsigned8
+            | DataType::Unsigned16
+            | DataType::Unsigned32
+            | DataType::VisibleString(_) => 0,
+        };
+        Some(Self(sign | spare))
+    }
+
+    const fn spare_bits(self) -> u32 {
+        (self.0 % 32) as u32
+    }
+
+    /// The low bytes of `word` alone.
+    const fn low_bytes(self, word: u32) -> u32 {
+        word << self.spare_bits() >> self.spare_bits()
+    }
+
+    /// The low bytes of `word` as a number.
+    const fn number(self, word: u32) -> u32 {
+        if self.0 & Self::SIGNED == 0 {
+            self.low_bytes(word)
+        } else {
+            ((word << self.spare_bits()).cast_signed() >> self.spare_bits()).cast_unsigned()
+        }
     }
 }

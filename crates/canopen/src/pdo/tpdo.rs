@@ -4,11 +4,9 @@ use units::{Duration, Instant};
 use super::mapping::Mapping;
 use super::transmission::Transmission;
 use crate::cob_id::CobId;
-use crate::frame::{CanId, Frame};
-use crate::settings::Settings;
-
-/// Transmit PDOs of a device.
-pub(crate) const TPDO_MAX: usize = 4;
+use crate::deadline::Deadline;
+use crate::frame::{CanId, DATA_MAX, Frame};
+use crate::settings::{PdoRules, RemoteRequests};
 
 /// A transmit PDO (CiA 301, section 7.2.2; objects 0x1800 and 0x1A00 and following).
 ///
@@ -16,9 +14,11 @@ pub(crate) const TPDO_MAX: usize = 4;
 /// switched on there, so that masters know the data from the start. Then every change goes out; one
 /// inside the inhibit time goes out when that ends, with the data of that moment. The event timer
 /// counts from the start; the inhibit time holds it back as well. SYNC-driven ones count from
-/// becoming Operational and know no inhibit time.
+/// becoming Operational, or from the SYNC with the start value, and know no inhibit time.
+///
+/// A remote frame is answered at once, whatever the inhibit time says.
 #[derive(Debug)]
-pub(crate) struct Tpdo {
+pub(super) struct Tpdo {
     number: u16,
     parameters: Parameters,
     mapping: Mapping,
@@ -28,137 +28,213 @@ pub(crate) struct Tpdo {
 }
 
 /// The communication parameter as the stack uses it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 struct Parameters {
-    id: Option<CanId>,
+    cob_id: CobId,
     transmission: Transmission,
     inhibit_time: Duration,
     event_time: Duration,
+    sync_start: u8,
+    remote_requests: RemoteRequests,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Progress {
-    changed_at: Option<Instant>,
-    timer_at: Option<Instant>,
-    syncs: u8,
+    /// An event that has not gone out yet.
+    event: bool,
+    timer_at: Deadline,
+    /// SYNCs since the last frame; `None` before the one with the start value.
+    syncs: Option<u8>,
+    /// The data at the last SYNC, where remote frames ask for that.
+    sampled: Option<[u8; DATA_MAX]>,
 }
 
 impl Tpdo {
     /// The PDO 0x1800 + `number`. `None` when the product does not have it.
-    pub(crate) fn new<const LEN: usize>(
+    pub(super) fn new<const LEN: usize>(
         number: u16,
         values: &Values<LEN>,
-        settings: &Settings,
+        rules: &PdoRules,
     ) -> Option<Self> {
-        let parameters = Parameters::read(number, values, settings)?;
         Some(Self {
             number,
-            parameters,
+            parameters: Parameters::read(number, values, rules)?,
             mapping: Mapping::read(values, MAPPING + number),
             inhibited_until: Instant::ZERO,
             progress: None,
         })
     }
 
-    /// Whether `index` is its communication parameter.
-    pub(crate) const fn is_described_by(&self, index: u16) -> bool {
-        index == COMMUNICATION + self.number
+    /// Its place among the transmit PDOs, from 0.
+    pub(super) const fn number(&self) -> u16 {
+        self.number
+    }
+
+    /// Whether `index` is its communication parameter or its mapping.
+    pub(super) const fn is_described_by(&self, index: u16) -> bool {
+        index == COMMUNICATION + self.number || index == MAPPING + self.number
     }
 
     /// Whether frames with this identifier are its own.
-    pub(crate) fn sends(&self, id: CanId) -> bool {
-        self.parameters.id == Some(id)
+    pub(super) fn sends(&self, id: CanId) -> bool {
+        self.parameters.cob_id.is_valid_with(id)
     }
 
-    /// Takes the communication parameter over again. A PDO in progress goes on; one that now has
-    /// another identifier or type begins anew.
-    pub(crate) fn reread<const LEN: usize>(
+    /// The identifier of the remote frames it answers.
+    pub(super) const fn remote_id(&self) -> Option<CanId> {
+        self.parameters.remote_id()
+    }
+
+    /// The lowest and the highest slot whose changes are events now.
+    pub(super) fn watched(&self) -> Option<(Slot, Slot)> {
+        let watches = self.progress.is_some() && self.parameters.transmission.follows_changes();
+        if watches { self.mapping.span() } else { None }
+    }
+
+    /// Takes its objects over again. A PDO in progress goes on; one that now has another
+    /// identifier, type or mapping begins anew.
+    pub(super) fn reread<const LEN: usize>(
         &mut self,
         now: Instant,
-        running: bool,
         values: &Values<LEN>,
-        settings: &Settings,
+        rules: &PdoRules,
     ) {
-        let Some(parameters) = Parameters::read(self.number, values, settings) else { return };
-        let before = core::mem::replace(&mut self.parameters, parameters);
-        self.inhibited_until = self.inhibited_until.min(now + parameters.inhibit_time);
-        if !running {
-            return;
-        }
-        let same = (before.id, before.transmission) == (parameters.id, parameters.transmission);
-        match &mut self.progress {
-            Some(progress) if same => progress.timer_at = parameters.timer_from(now),
-            Some(_) | None => self.start(now),
+        let Some(again) = Self::new(self.number, values, rules) else { return };
+        let before = core::mem::replace(self, again);
+        let kind = |tpdo: &Self| (tpdo.parameters.cob_id.valid(), tpdo.parameters.transmission);
+        self.inhibited_until = before.inhibited_until.min(now + self.parameters.inhibit_time);
+        if kind(&before) == kind(self) && before.mapping == self.mapping {
+            let timer_at = self.parameters.timer_from(now);
+            self.progress = before.progress.map(|progress| Progress { timer_at, ..progress });
         }
     }
 
-    /// The node became Operational.
-    pub(crate) fn start(&mut self, now: Instant) {
-        let on = self.parameters.id.is_some() && !self.mapping.is_empty();
-        self.progress = on.then(|| Progress {
-            changed_at: self.parameters.transmission.follows_changes().then_some(now),
-            timer_at: self.parameters.timer_from(now),
-            syncs: 0,
-        });
+    /// The node is Operational. A PDO in progress goes on.
+    pub(super) fn start(&mut self, now: Instant) {
+        let is_on = self.parameters.cob_id.valid().is_some() && self.mapping.byte_len() > 0;
+        if is_on && self.progress.is_none() {
+            self.progress = Some(Progress {
+                event: self.parameters.transmission.follows_changes(),
+                timer_at: self.parameters.timer_from(now),
+                syncs: (self.parameters.sync_start == 0).then_some(0),
+                sampled: None,
+            });
+        }
     }
 
     /// The node is no longer Operational.
-    pub(crate) fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.progress = None;
     }
 
     /// The value at `slot` changed.
-    pub(crate) fn note_change(&mut self, now: Instant, slot: Slot) {
+    pub(super) fn note_change(&mut self, slot: Slot) {
         if let Some(progress) = &mut self.progress
             && self.parameters.transmission.follows_changes()
             && self.mapping.carries(slot)
         {
-            progress.changed_at.get_or_insert(now);
+            progress.event = true;
         }
     }
 
-    /// Counts a SYNC. Whether the PDO goes out with it.
-    pub(crate) fn handle_sync(&mut self) -> bool {
-        let Transmission::Synchronous { every } = self.parameters.transmission else {
-            return false;
-        };
-        let Some(progress) = &mut self.progress else { return false };
-        progress.syncs = progress.syncs.saturating_add(1);
-        let goes = progress.syncs >= every;
-        if goes {
-            progress.syncs = 0;
+    /// The product has an event of its own.
+    pub(super) fn trigger(&mut self) {
+        if let Some(progress) = &mut self.progress
+            && self.parameters.transmission.has_events()
+        {
+            progress.event = true;
         }
-        goes
     }
 
-    /// When it goes out, as things stand.
-    pub(crate) fn due_at(&self) -> Option<Instant> {
-        let progress = self.progress?;
-        let event_at = match (progress.changed_at, progress.timer_at) {
-            (Some(changed_at), Some(timer_at)) => changed_at.min(timer_at),
-            (event_at, None) | (None, event_at) => event_at?,
+    /// The frame that goes out with a SYNC. `counter` is that of the SYNC, if there is one.
+    pub(super) fn handle_sync<const LEN: usize>(
+        &mut self,
+        counter: Option<u8>,
+        values: &Values<LEN>,
+    ) -> Option<Frame> {
+        let progress = self.progress.as_mut()?;
+        let goes = match self.parameters.transmission {
+            Transmission::EverySync { nth } => {
+                progress.count_sync(counter, self.parameters.sync_start, nth)
+            }
+            Transmission::SyncAfterEvent => core::mem::take(&mut progress.event),
+            Transmission::RemoteFromSync => {
+                progress.sampled = Some(self.mapping.gather(values));
+                false
+            }
+            Transmission::Remote | Transmission::Event(_) | Transmission::Never => false,
         };
-        Some(event_at.max(self.inhibited_until))
+        goes.then(|| self.frame(self.mapping.gather(values)))
     }
 
-    /// The frame with the present values, counted as sent.
-    pub(crate) fn transmit<const LEN: usize>(
+    /// The frame that a remote frame with its identifier asks for.
+    pub(super) fn handle_remote<const LEN: usize>(
         &mut self,
         now: Instant,
         values: &Values<LEN>,
     ) -> Option<Frame> {
-        let (id, progress) = (self.parameters.id?, self.progress.as_mut()?);
-        progress.changed_at = None;
-        progress.timer_at = progress.timer_at.map(|timer_at| {
-            let next_at = timer_at + self.parameters.event_time;
-            if timer_at <= now && next_at > now {
-                next_at
-            } else {
-                now + self.parameters.event_time
+        let progress = self.progress?;
+        match self.parameters.transmission {
+            Transmission::Event(_) => self.transmit(now, values),
+            Transmission::SyncAfterEvent
+            | Transmission::EverySync { .. }
+            | Transmission::RemoteFromSync
+            | Transmission::Remote
+            | Transmission::Never => {
+                let present = || self.mapping.gather(values);
+                Some(self.frame(progress.sampled.unwrap_or_else(present)))
             }
-        });
+        }
+    }
+
+    /// When an event or the event timer lets it go out, as things stand.
+    pub(super) fn due_at(&self) -> Deadline {
+        match (self.progress, self.parameters.transmission) {
+            (Some(Progress { event: true, .. }), Transmission::Event(_)) => {
+                Deadline::at(self.inhibited_until)
+            }
+            (Some(Progress { timer_at, .. }), _) => {
+                timer_at.max(Deadline::at(self.inhibited_until))
+            }
+            (None, _) => Deadline::NEVER,
+        }
+    }
+
+    /// The frame with the present values, counted as sent for an event.
+    pub(super) fn transmit<const LEN: usize>(
+        &mut self,
+        now: Instant,
+        values: &Values<LEN>,
+    ) -> Option<Frame> {
+        let progress = self.progress.as_mut()?;
+        progress.event = false;
+        if let Some(timer_at) = progress.timer_at.instant() {
+            let next_at = timer_at + self.parameters.event_time;
+            let in_step = timer_at <= now && next_at > now;
+            progress.timer_at =
+                Deadline::at(if in_step { next_at } else { now + self.parameters.event_time });
+        }
         self.inhibited_until = now + self.parameters.inhibit_time;
-        Some(self.mapping.frame(id, values))
+        Some(self.frame(self.mapping.gather(values)))
+    }
+
+    const fn frame(&self, data: [u8; DATA_MAX]) -> Frame {
+        Frame::prefix(self.parameters.cob_id.can_id(), data, self.mapping.byte_len())
+    }
+}
+
+impl Progress {
+    /// Counts a SYNC. Whether it is the n-th, which begins the next count.
+    fn count_sync(&mut self, counter: Option<u8>, start: u8, nth: u8) -> bool {
+        let before = match (self.syncs, counter) {
+            (None, Some(counter)) if counter != start => return false,
+            (None, _) => 0,
+            (Some(syncs), _) => syncs,
+        };
+        let syncs = before.saturating_add(1);
+        let goes = syncs >= nth;
+        self.syncs = Some(if goes { 0 } else { syncs });
+        goes
     }
 }
 
@@ -167,27 +243,34 @@ const MAPPING: u16 = 0x1A00;
 
 impl Parameters {
     /// `None` when the product has no such PDO.
-    fn read<const LEN: usize>(
-        number: u16,
-        values: &Values<LEN>,
-        settings: &Settings,
-    ) -> Option<Self> {
+    fn read<const LEN: usize>(number: u16, values: &Values<LEN>, rules: &PdoRules) -> Option<Self> {
         let index = COMMUNICATION + number;
-        let value = |sub| {
-            let slot = values.dictionary().find(ObjectId { index, sub }).ok()?;
-            Some(values.raw(slot))
-        };
+        let value = |sub| Some(values.raw(values.dictionary().find(ObjectId { index, sub }).ok()?));
+        let [sync_start, ..] = value(6).unwrap_or(0).to_le_bytes();
         Some(Self {
-            id: CobId::from_raw(value(1)?).valid(),
-            transmission: Transmission::new(value(2)?, settings),
-            inhibit_time: settings.inhibit_unit * u64::from(value(3).unwrap_or(0)),
+            cob_id: CobId::from_raw(value(1)?),
+            transmission: Transmission::new(value(2)?, rules),
+            inhibit_time: rules.inhibit_unit * u64::from(value(3).unwrap_or(0)),
             event_time: Duration::from_millis(u64::from(value(5).unwrap_or(0))),
+            sync_start,
+            remote_requests: rules.remote_requests,
         })
     }
 
     /// When the event timer elapses if it starts now.
-    fn timer_from(&self, now: Instant) -> Option<Instant> {
-        let on = self.transmission.follows_timer() && self.event_time > Duration::ZERO;
-        on.then(|| now + self.event_time)
+    fn timer_from(&self, now: Instant) -> Deadline {
+        if self.transmission.follows_timer() {
+            Deadline::after(now, self.event_time)
+        } else {
+            Deadline::NEVER
+        }
+    }
+
+    const fn remote_id(&self) -> Option<CanId> {
+        let answers = match self.remote_requests {
+            RemoteRequests::AllTypes => true,
+            RemoteRequests::RemoteTypes => self.transmission.is_remote_only(),
+        };
+        if answers && self.cob_id.allows_remote() { self.cob_id.valid() } else { None }
     }
 }

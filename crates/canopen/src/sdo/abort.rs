@@ -28,6 +28,10 @@ impl AbortCode {
     pub const READ_ONLY: Self = Self(0x0601_0002);
     /// There is no such object.
     pub const NO_OBJECT: Self = Self(0x0602_0000);
+    /// The object cannot be mapped to the PDO.
+    pub const NOT_MAPPABLE: Self = Self(0x0604_0041);
+    /// The mapped objects are more, or longer, than a PDO.
+    pub const MAPPING_LENGTH: Self = Self(0x0604_0042);
     /// The value does not go with those of other objects.
     pub const INCOMPATIBLE: Self = Self(0x0604_0043);
     /// A fault of the hardware.

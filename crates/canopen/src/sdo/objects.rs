@@ -167,6 +167,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         if heartbeat::is_doubled(row.id, raw, self.values) {
             return Err(AbortCode::INCOMPATIBLE);
         }
+        pdo::check(self.values, &self.settings.pdo, row.id, raw)?;
         Ok(raw)
     }
 }
@@ -183,9 +184,6 @@ fn is_possible(object: ObjectId, raw: u32) -> bool {
         (0x1005, 0) => CobId::from_raw(raw).suits_sync_consumer(),
         (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
         (0x1029, 1) => raw <= 2,
-        (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => CobId::from_raw(raw).suits_pdo(),
-        (0x1400..=0x15FF, 2) => pdo::Reception::new(raw) != pdo::Reception::Never,
-        (0x1800..=0x19FF, 2) => pdo::Transmission::is_known(raw),
         _ => true,
     }
 }

@@ -3,7 +3,8 @@
 
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, Application, BlockTransfer, Emergency, Expedited,
-    Mapped, Node, NodeId, ReadError, ReceiveErrors, Settings, Trigger, WriteError, Written,
+    Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError, ReceiveErrors, Settings, Trigger,
+    WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
 use units::Duration;
@@ -13,9 +14,13 @@ pub(crate) const NODE_ID: NodeId = NodeId::new(127).expect("127 is a node-ID");
 
 /// The choices of NM170, NM172 and NM174: decisions.
 pub(crate) static SETTINGS: Settings = Settings {
-    inhibit_unit: Duration::from_millis(1),
-    type_254: Trigger::Timer,
-    type_255: Trigger::Change,
+    pdo: PdoRules {
+        inhibit_unit: Duration::from_millis(1),
+        type_254: Trigger::Timer,
+        type_255: Trigger::Change,
+        changes: PdoChanges::AnyTime,
+        ..Settings::CIA_301.pdo
+    },
     expedited: Expedited::OneTwoOrFour,
     receive_errors: ReceiveErrors {
         too_short: Some(Emergency { code: 0x8210, manufacturer: [0, 0, 0, 0, 1] }),
@@ -206,9 +211,10 @@ impl Application for Device {
         }
     }
 
-    fn receive(&mut self, number: u16, values: &[Mapped]) -> Written {
-        match (number, values) {
-            (0, [control, ..]) if control.raw == 0xFF => Written::Ignored,
+    fn receive(&mut self, number: u16, values: &Mapped<'_>) -> Written {
+        let control = DICTIONARY.slot(&BROADCAST_CONTROL);
+        match (number, values.get(control)) {
+            (0, Some(0xFF)) => Written::Ignored,
             _ => Written::Taken,
         }
     }

@@ -87,7 +87,7 @@ fn every_nth_sync_is_answered() {
     check(
         "
         0 set 1801:02 3, 1800:02 1
-        0 set 1800:01 511
+        0 set 1800:01 1073742335
         0 boot
         1 < 080
         2 < 000 01 00
