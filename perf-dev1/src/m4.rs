@@ -9,8 +9,8 @@ use crate::{Bus, OPERATIONS, Stack};
 
 /// How often each operation is done.
 const TIMES: u32 = 1_000;
-/// Instructions of the loop that tells how many of them a tick of the timer is.
-const CALIBRATION: u32 = 2_000_000;
+/// The timer of the emulated board runs at 25 MHz.
+const NANOSECONDS_PER_TICK: u32 = 40;
 /// The timer counts down 24 bits.
 const TIMER_MAX: u32 = 0x00FF_FFFF;
 
@@ -22,7 +22,6 @@ pub fn main<S: Stack>() -> ! {
     timer.set_reload(TIMER_MAX);
     timer.clear_current();
     timer.enable_counter();
-    let calibration = ticks(|| cortex_m::asm::delay(CALIBRATION));
     for operation in OPERATIONS {
         operation.check::<S>();
         let bus = Bus::default();
@@ -39,8 +38,7 @@ pub fn main<S: Stack>() -> ! {
         };
         let overhead = count(nothing);
         let all = count(operation.function());
-        let instructions = |ticks: u32| u64::from(ticks) * u64::from(CALIBRATION);
-        let each = instructions(all - overhead) / u64::from(calibration) / u64::from(TIMES);
+        let each = (all - overhead) * NANOSECONDS_PER_TICK / TIMES;
         println!("{each}\t{}", operation.name);
     }
     semihosting::process::exit(0)
