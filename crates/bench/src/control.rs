@@ -290,6 +290,9 @@ fn figures(stats: &McuStats) -> Value {
         "flash_ops": stats.flash_ops,
         "sector_erases": stats.sector_erases,
         "can_interrupts": stats.can_interrupts,
+        "can_reaction_ns": stats.can_reaction_ns,
+        "can_wait_ns": stats.can_wait_ns,
+        "masked_ns": stats.masked_ns,
     })
 }
 

@@ -113,6 +113,11 @@ pub struct BxCan {
     outcomes: VecDeque<Outcome>,
     levels: [Level; LINES],
     asserted: InterruptCounts,
+    received_at: Option<Nanos>,
+    reaction: Nanos,
+    /// Since when frames wait that the software has not looked at, by FIFO.
+    unseen_since: [Option<Nanos>; FIFOS],
+    longest_wait: Nanos,
 }
 
 impl Default for BxCan {
@@ -146,6 +151,10 @@ impl BxCan {
             outcomes: VecDeque::new(),
             levels: [Level::Low; LINES],
             asserted: InterruptCounts::default(),
+            received_at: None,
+            reaction: Nanos::ZERO,
+            unseen_since: [None; FIFOS],
+            longest_wait: Nanos::ZERO,
         }
     }
 
@@ -206,6 +215,19 @@ impl BxCan {
     #[must_use]
     pub const fn interrupts(&self) -> InterruptCounts {
         self.asserted
+    }
+
+    /// From the interrupt of the last received frame to the first request for a transmission behind
+    /// it.
+    #[must_use]
+    pub const fn reaction(&self) -> Nanos {
+        self.reaction
+    }
+
+    /// The longest that a received frame waited for the software to look at its FIFO.
+    #[must_use]
+    pub const fn longest_wait(&self) -> Nanos {
+        self.longest_wait
     }
 
     /// The bit time set in BTR.
@@ -313,7 +335,7 @@ impl BxCan {
         }
         if let Some((_, n)) = self.internal.take_if(|(end, _)| *end <= now) {
             self.counters = self.counters.transmitted();
-            self.went_out(n);
+            self.went_out(n, now);
         }
         if let Mode::Joining { wait, .. } = self.mode
             && wait.over_at() <= now
@@ -357,9 +379,9 @@ impl BxCan {
         match outcome.what {
             What::Received(frame) => {
                 self.last_error = 0;
-                self.store(frame);
+                self.store(frame, outcome.at);
             }
-            What::Transmitted(n) => self.went_out(n),
+            What::Transmitted(n) => self.went_out(n, outcome.at),
             What::LostArbitration(n) => self.attempt_failed(n, tsr::ALST),
             What::TransmitFailed(n, error) => {
                 self.sending = None;
@@ -386,14 +408,14 @@ impl BxCan {
         }
     }
 
-    fn went_out(&mut self, n: usize) {
+    fn went_out(&mut self, n: usize, at: Nanos) {
         self.sending = None;
         self.last_error = 0;
         let Some(mailbox) = self.mailboxes.get_mut(n) else { return };
         let frame = mailbox.frame();
         mailbox.complete(tsr::TXOK);
         if self.timing & btr::LBKM != 0 {
-            self.store(frame);
+            self.store(frame, at);
         }
     }
 
@@ -410,13 +432,16 @@ impl BxCan {
         }
     }
 
-    fn store(&mut self, frame: world::can::Frame) {
+    fn store(&mut self, frame: world::can::Frame, at: Nanos) {
         let when_full =
             if self.control & mcr::RFLM == 0 { WhenFull::Overwrite } else { WhenFull::Lock };
         if let Some(hit) = self.filters.accept(&frame)
             && let Some(fifo) = self.fifos.get_mut(hit.fifo)
+            && let Some(unseen_since) = self.unseen_since.get_mut(hit.fifo)
         {
             fifo.push(frame, hit.index, when_full);
+            unseen_since.get_or_insert(at);
+            self.received_at = Some(at);
         }
     }
 
@@ -584,8 +609,8 @@ impl BxCan {
     /// Back to the reset state, but for the clock it runs on, the state of the wire and the counts.
     /// Whoever resets it lowers the lines.
     fn restart(&mut self) {
-        let Self { pclk_hz, line, asserted, .. } = *self;
-        *self = Self { pclk_hz, line, asserted, ..Self::new() };
+        let Self { pclk_hz, line, asserted, reaction, longest_wait, .. } = *self;
+        *self = Self { pclk_hz, line, asserted, reaction, longest_wait, ..Self::new() };
     }
 
     fn value(&self, register: Register, now: Nanos) -> Option<u32> {
@@ -681,7 +706,13 @@ impl Device for BxCan {
         _registers: &mut RegisterFile,
         context: &mut DeviceContext<'_>,
     ) -> Option<u64> {
-        self.value(register, now(context)).map(u64::from)
+        let now = now(context);
+        if let Some(Place::Fifo(n)) = place(register)
+            && let Some(since) = self.unseen_since.get_mut(n).and_then(Option::take)
+        {
+            self.longest_wait = self.longest_wait.max(Nanos(now.0.saturating_sub(since.0)));
+        }
+        self.value(register, now).map(u64::from)
     }
 
     fn peek(
@@ -739,7 +770,14 @@ impl Device for BxCan {
             }
             Place::Transmit(n, part) => {
                 if let Some(mailbox) = self.mailboxes.get_mut(n) {
+                    let was_empty = mailbox.is_empty();
                     mailbox.write(part, value, now);
+                    if was_empty
+                        && !mailbox.is_empty()
+                        && let Some(received_at) = self.received_at.take()
+                    {
+                        self.reaction = Nanos(now.0.saturating_sub(received_at.0));
+                    }
                 }
             }
             Place::Receive(..) => {}

@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use rigless::device::{Level, ResetCause};
-use rigless::emulator::{self, Access, AccessKind, Driver, Host, Settled, Start, Stop, StopReason};
+use rigless::emulator::{
+    self, Access, AccessKind, Driver, Hit, Host, Settled, Start, Stop, StopReason, Watch,
+};
 use rigless::image::Image;
 use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu as _, Operate as _};
@@ -20,7 +22,7 @@ use units::Instant;
 use world::can::{Delivery, PortState, Presence};
 use world::{Dice, EngineError, LogLine, Mcu, McuStats, MotorOutputs, Panel, Reset, Surroundings};
 
-use crate::firmware::Firmware;
+use crate::firmware::{Firmware, MaskingInstruction};
 use crate::flash_array::FlashArray;
 use crate::log_channel::{LogChannel, READ_EVERY_NS};
 use crate::memory_map::{
@@ -271,6 +273,7 @@ fn run(
         resets: 0,
         powered_ns: 0,
         powered_since_ns: Some(0),
+        masking: Masking::default(),
         complaint: None,
     };
     let finished = emulator::run(session, &Start::new(&images), pilot)
@@ -355,7 +358,18 @@ struct Pilot {
     resets: usize,
     powered_ns: u64,
     powered_since_ns: Option<u64>,
+    masking: Masking,
     complaint: Option<String>,
+}
+
+/// For how long the firmware masks all interrupts.
+#[derive(Debug, Default)]
+struct Masking {
+    /// Whether the run tells of the instructions that do it.
+    watched: bool,
+    depth: u32,
+    since_ns: u64,
+    longest_ns: u64,
 }
 
 type Run = Session<CircuitBoard>;
@@ -365,7 +379,8 @@ impl Driver<CircuitBoard> for Pilot {
         match settled {
             Settled::Access { access, .. } => self.watch_access(session, access),
             Settled::Stop(stop) => self.watch_restarts(session, stop.at.0),
-            Settled::Hit(_) | _ => {}
+            Settled::Hit(hit) => self.follow_masking(hit),
+            _ => {}
         }
     }
 
@@ -375,6 +390,7 @@ impl Driver<CircuitBoard> for Pilot {
         stop: Stop,
         host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
+        self.watch_masking(host);
         self.report(session, stop, host).ok()?;
         loop {
             match self.commands.recv().ok()? {
@@ -405,6 +421,36 @@ impl Pilot {
     fn complain(&mut self, what: impl FnOnce() -> String) {
         if self.complaint.is_none() {
             self.complaint = Some(what());
+        }
+    }
+
+    fn watch_masking(&mut self, host: &mut dyn Host) {
+        if std::mem::replace(&mut self.masking.watched, true) {
+            return;
+        }
+        for (at, _) in self.firmware.masking() {
+            host.watch(Watch::Instruction(at));
+        }
+    }
+
+    /// The core has come to an instruction that masks interrupts, or to one that puts back what was
+    /// before. They come in pairs, which may lie in one another.
+    fn follow_masking(&mut self, hit: Hit) {
+        let masking = &mut self.masking;
+        match self.firmware.masking_at(hit.address) {
+            Some(MaskingInstruction::Mask) => {
+                if masking.depth == 0 {
+                    masking.since_ns = hit.at.0;
+                }
+                masking.depth += 1;
+            }
+            Some(MaskingInstruction::Restore) => {
+                masking.depth = masking.depth.saturating_sub(1);
+                if masking.depth == 0 {
+                    masking.longest_ns = masking.longest_ns.max(hit.at.0 - masking.since_ns);
+                }
+            }
+            None => {}
         }
     }
 
@@ -466,6 +512,7 @@ impl Pilot {
             self.resets = session.resets().len();
             self.panel = None;
             self.log.restart();
+            self.masking.depth = 0;
             if self.identity.mcu == Mcu::Msp {
                 self.follow_motor(session, at_ns);
             }
@@ -656,6 +703,9 @@ impl Pilot {
             flash_ops: counts.programs,
             sector_erases: counts.erases,
             can_interrupts: session.board().part.can().interrupts().total(),
+            can_reaction_ns: session.board().part.can().reaction().0,
+            can_wait_ns: session.board().part.can().longest_wait().0,
+            masked_ns: self.masking.longest_ns,
         }
     }
 }

@@ -34,6 +34,23 @@ pub(crate) struct Line {
     pub(crate) text: String,
 }
 
+/// What an instruction does to PRIMASK, which masks all interrupts (ARMv7-M, B5.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MaskingInstruction {
+    Mask,
+    Restore,
+}
+
+impl MaskingInstruction {
+    fn decode(first: u16, second: u16) -> Option<Self> {
+        match (first, second) {
+            (0xB672, _) => Some(Self::Mask),
+            (0xB662, _) | (0xF380..=0xF38F, 0x8810) => Some(Self::Restore),
+            _ => None,
+        }
+    }
+}
+
 impl Firmware {
     /// Reads the ELF file at `path`.
     ///
@@ -80,6 +97,21 @@ impl Firmware {
             bank.copy_from_slice(stored);
         }
         cells
+    }
+
+    /// Where in flash an instruction looks like one that masks all interrupts or ends that. Data
+    /// that looks the same is never executed.
+    pub(crate) fn masking(&self) -> impl Iterator<Item = (u64, MaskingInstruction)> {
+        let words = self.cells.windows(4).step_by(2);
+        (FLASH_BASE..).step_by(2).zip(words).filter_map(|(at, bytes)| {
+            MaskingInstruction::decode(half(bytes, 0)?, half(bytes, 2)?).map(|found| (at, found))
+        })
+    }
+
+    /// That instruction at `address`, if it is one.
+    pub(crate) fn masking_at(&self, address: u64) -> Option<MaskingInstruction> {
+        let at = usize::try_from(address.checked_sub(FLASH_BASE)?).ok()?;
+        MaskingInstruction::decode(half(&self.cells, at)?, half(&self.cells, at + 2)?)
     }
 
     /// Where the log channel's control block lies, if the firmware has one.

@@ -57,6 +57,15 @@ pub struct McuStats {
     pub sector_erases: u64,
     /// CAN interrupts taken (STM only).
     pub can_interrupts: u64,
+    /// From the interrupt of the last received CAN frame to the first request for a transmission
+    /// behind it (STM of the engine that runs the images), in nanoseconds.
+    pub can_reaction_ns: u64,
+    /// The longest that a received CAN frame waited for the firmware to look at its FIFO (STM of the
+    /// engine that runs the images), in nanoseconds.
+    pub can_wait_ns: u64,
+    /// The longest that all interrupts were masked (the engine that runs the images), in
+    /// nanoseconds.
+    pub masked_ns: u64,
 }
 
 /// One line a controller logged over RTT.

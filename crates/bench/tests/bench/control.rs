@@ -92,7 +92,7 @@ fn the_surroundings_can_be_worked_and_seen() {
             {"id":10,"ok":true}
             {"id":11,"ok":true}
             {"id":12,"ok":true}
-            {"id":13,"ok":true,"stm":{"awake_fraction":0.0,"can_interrupts":0,"flash_ops":0,"instructions":0,"resets":[],"sector_erases":0,"stack_used":0},"msp":{"awake_fraction":0.0,"can_interrupts":0,"flash_ops":0,"instructions":0,"resets":[],"sector_erases":0,"stack_used":0}}
+            {"id":13,"ok":true,"stm":{"awake_fraction":0.0,"can_interrupts":0,"can_reaction_ns":0,"can_wait_ns":0,"flash_ops":0,"instructions":0,"masked_ns":0,"resets":[],"sector_erases":0,"stack_used":0},"msp":{"awake_fraction":0.0,"can_interrupts":0,"can_reaction_ns":0,"can_wait_ns":0,"flash_ops":0,"instructions":0,"masked_ns":0,"resets":[],"sector_erases":0,"stack_used":0}}
             {"id":14,"ok":true,"upper":"      ","lower":"      ","left_arrow":false,"right_arrow":false,"segments":"0000000000000000000000000000000000000000","ascii":"                          \n                          \n                          \n                          \n                          \n                          \n                          \n"}
         "#]],
     );

@@ -33,10 +33,13 @@ fn measure() -> Result<(), EngineError> {
     at_rest()?;
     let mut rig = Rig::new(BitRate::Kbit1000)?;
     sdo_latency(&mut rig)?;
+    sync_latency(&mut rig)?;
     flood(&mut rig)?;
     foreign(&mut rig)?;
     cycle(&mut rig)?;
-    shaft(&mut rig)
+    shaft(&mut rig)?;
+    blocked(&rig);
+    Ok(())
 }
 
 fn row(figure: &str, value: &str) {
@@ -47,9 +50,21 @@ fn row(figure: &str, value: &str) {
 fn spread_us(mut values: Vec<u64>) -> String {
     values.sort_unstable();
     let at = |place: usize| values.get(place).copied().unwrap_or_default();
-    let us = |ns: u64| format!("{}.{}", ns / 1_000, ns / 100 % 10);
     let (last, middle) = (values.len().saturating_sub(1), values.len() / 2);
     format!("{} / {} / {} µs", us(at(0)), us(at(middle)), us(at(last)))
+}
+
+fn us(ns: u64) -> String {
+    format!("{}.{}", ns / 1_000, ns / 100 % 10)
+}
+
+/// As [`spread_us`], in cycles of the controller's clock.
+fn spread_cycles(mut values: Vec<u64>) -> String {
+    const CYCLES_PER_US: u64 = 160;
+    values.sort_unstable();
+    let at = |place: usize| values.get(place).copied().unwrap_or_default() * CYCLES_PER_US / 1_000;
+    let (last, middle) = (values.len().saturating_sub(1), values.len() / 2);
+    format!("{} / {} / {}", at(0), at(middle), at(last))
 }
 
 /// Pre-operational at 125 kbit/s: nobody turns, nobody asks.
@@ -81,7 +96,7 @@ fn at_rest() -> Result<(), EngineError> {
 fn sdo_latency(rig: &mut Rig) -> Result<(), EngineError> {
     const WINDOW_MS: u64 = 10;
     let request = Frame::new(rig.sdo_request(), &[0x40, 0, 0x10, 0, 0, 0, 0, 0]).map_err(failed)?;
-    let mut latencies = Vec::new();
+    let (mut latencies, mut reactions) = (Vec::new(), Vec::new());
     let (mut asked, mut idle) = (0, 0);
     for _ in 0..REQUESTS {
         let [start, _] = rig.stats();
@@ -95,13 +110,43 @@ fn sdo_latency(rig: &mut Rig) -> Result<(), EngineError> {
         asked += end.instructions - middle.instructions;
         if let [question, answer] = rig.frames().as_slice() {
             latencies.push(answer.start.0.saturating_sub(question.end.0));
+            reactions.push(end.can_reaction_ns);
         }
         rig.run_us(ODD_PHASE_US)?;
     }
     row("SDO upload at 1 Mbit/s: end of request to start of response", &spread_us(latencies));
+    row("SDO upload: receive interrupt to transmit request, cycles", &spread_cycles(reactions));
     let instructions = asked.saturating_sub(idle) / REQUESTS;
     row("SDO upload: instructions, interrupts included", &instructions.to_string());
     Ok(())
+}
+
+/// A SYNC that one PDO goes with, on a quiet bus.
+fn sync_latency(rig: &mut Rig) -> Result<(), EngineError> {
+    const WINDOW_MS: u64 = 10;
+    rig.write(&[0x2F, 0x01, 0x18, 0x02, 1, 0, 0, 0])?;
+    rig.start()?;
+    let sync = Frame::new(Id::Standard(0x080), &[]).map_err(failed)?;
+    let (mut latencies, mut reactions) = (Vec::new(), Vec::new());
+    for _ in 0..REQUESTS {
+        rig.send(sync)?;
+        rig.run_ms(WINDOW_MS)?;
+        if let [sync, pdo] = rig.frames().as_slice() {
+            latencies.push(pdo.start.0.saturating_sub(sync.end.0));
+            reactions.push(rig.stats()[0].can_reaction_ns);
+        }
+        rig.run_us(ODD_PHASE_US)?;
+    }
+    row("SYNC at 1 Mbit/s: its end to the start of the first PDO", &spread_us(latencies));
+    row("SYNC: receive interrupt to transmit request, cycles", &spread_cycles(reactions));
+    rig.write(&[0x2F, 0x01, 0x18, 0x02, 0xFF, 0, 0, 0])
+}
+
+/// What kept the firmware from a received frame, in all that was measured before.
+fn blocked(rig: &Rig) {
+    let [stm, _] = rig.stats();
+    row("stm: longest wait of a received frame", &format!("{} µs", us(stm.can_wait_ns)));
+    row("stm: interrupts masked, the longest", &format!("{} µs", us(stm.masked_ns)));
 }
 
 /// As many SDO requests and SYNCs as the bus carries: each has its answer.

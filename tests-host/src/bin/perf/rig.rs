@@ -28,6 +28,9 @@ pub(crate) struct Figures {
     pub(crate) awake_us: f64,
     pub(crate) stack_used: u32,
     pub(crate) can_interrupts: u64,
+    pub(crate) can_reaction_ns: u64,
+    pub(crate) can_wait_ns: u64,
+    pub(crate) masked_ns: u64,
 }
 
 /// One NM172 and a master on a bus.
@@ -168,6 +171,9 @@ impl Rig {
             awake_us: stats.awake_fraction * now_us,
             stack_used: stats.stack_used,
             can_interrupts: stats.can_interrupts,
+            can_reaction_ns: stats.can_reaction_ns,
+            can_wait_ns: stats.can_wait_ns,
+            masked_ns: stats.masked_ns,
         })
     }
 }
