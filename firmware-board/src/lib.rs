@@ -25,7 +25,7 @@ pub use last_words::{stop, stop_on_fault};
 pub use link_port::{
     LinkPins, LinkReceiver, LinkTransmitter, OUTBOX_LEN, Outbox, RECEIVE_RING_LEN, open, transmit,
 };
-pub use parameters::{Parameters, RECORDS_MAX, Records};
+pub use parameters::{NumberSet, Outcome, Parameters, RECORDS_MAX, Records};
 pub use record_queue::RecordQueue;
 
 pub use start::{Started, start};

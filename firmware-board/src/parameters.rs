@@ -4,15 +4,29 @@
 //! indicator that shows the position is worth more than one that stands still.
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::FLASH;
-use heapless::LinearMap;
-use storage::{Opened, Record, Store, Stored, Value};
+use heapless::{LinearMap, Vec};
+use storage::{Opened, Record, Store, Value};
 
 use crate::parameter_flash::ParameterFlash;
 
 /// Keys a controller may use.
 pub const RECORDS_MAX: usize = 256;
+/// Numbers of a set.
+const SET_LEN: usize = 32;
 /// Numbers by their keys.
 pub type Records = LinearMap<u32, u32, RECORDS_MAX>;
+
+/// Numbers that are stored together, with their keys.
+pub type NumberSet = Vec<(u32, u32), SET_LEN>;
+
+/// What became of what was to be stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is stored.
+    Stored,
+    /// The memory did not take it.
+    Failed,
+}
 
 /// The store in the parameter sectors; `None` if their flash could not be used.
 pub struct Parameters(Option<Store<ParameterFlash>>);
@@ -56,13 +70,35 @@ impl Parameters {
     }
 
     /// Stores `number` under `key`, unless it is stored already.
-    pub(crate) async fn keep(&mut self, key: u32, number: u32) {
-        let Some(store) = &mut self.0 else { return };
-        match store.store(&Record { key, value: Value::from(number) }).await {
-            Ok(Stored::Written | Stored::Unchanged) => {}
-            Err(error) => {
-                defmt::error!("parameter {=u32:#x}: {}", key, defmt::Debug2Format(&error));
-            }
+    pub(crate) async fn keep(&mut self, key: u32, number: u32) -> Outcome {
+        let Some(store) = &mut self.0 else { return Outcome::Failed };
+        outcome(store.store(&record(key, number)).await.map(|_| ()))
+    }
+
+    /// Replaces the numbers that are stored as a set by these.
+    pub(crate) async fn keep_set(&mut self, set: &NumberSet) -> Outcome {
+        let Some(store) = &mut self.0 else { return Outcome::Failed };
+        let records = set.iter().map(|(key, number)| record(*key, *number));
+        outcome(store.store_all(records).await.map(|_| ()))
+    }
+
+    /// Forgets everything stored, in one step.
+    pub(crate) async fn forget(&mut self) -> Outcome {
+        let Some(store) = &mut self.0 else { return Outcome::Failed };
+        outcome(store.erase_all().await)
+    }
+}
+
+fn record(key: u32, number: u32) -> Record {
+    Record { key, value: Value::from(number) }
+}
+
+fn outcome(stored: Result<(), storage::Error>) -> Outcome {
+    match stored {
+        Ok(()) => Outcome::Stored,
+        Err(error) => {
+            defmt::error!("parameters: not stored ({})", defmt::Debug2Format(&error));
+            Outcome::Failed
         }
     }
 }

@@ -13,7 +13,7 @@ use heapless::LinearMap;
 use shared_proto::limits::FRAME_US_MAX;
 
 use crate::link_port::OUTBOX_LEN;
-use crate::parameters::{Parameters, Records};
+use crate::parameters::{NumberSet, Outcome, Parameters, Records};
 
 /// Time for the frames that still wait for the link: they say that this controller goes.
 const LAST_FRAMES_TIME: Duration = Duration::from_micros(FRAME_US_MAX * (OUTBOX_LEN as u64 + 1));
@@ -25,12 +25,19 @@ pub struct RecordQueue {
 }
 
 struct State {
+    /// Comes before all that waits with it: what waited before it is forgotten at once.
+    forget: bool,
     records: Records,
+    set: Option<NumberSet>,
+    confirm: Option<u8>,
     restart: bool,
 }
 
 enum Order {
+    Forget,
     Store { key: u32, number: u32 },
+    StoreSet(NumberSet),
+    Confirm(u8),
     Restart,
 }
 
@@ -39,7 +46,13 @@ impl RecordQueue {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            state: Mutex::new(RefCell::new(State { records: LinearMap::new(), restart: false })),
+            state: Mutex::new(RefCell::new(State {
+                forget: false,
+                records: LinearMap::new(),
+                set: None,
+                confirm: None,
+                restart: false,
+            })),
             changed: Signal::new(),
         }
     }
@@ -54,6 +67,29 @@ impl RecordQueue {
         self.changed.signal(());
     }
 
+    /// Has the numbers that are stored as a set replaced by these.
+    pub fn put_set(&self, set: NumberSet) {
+        self.state.lock(|state| state.borrow_mut().set = Some(set));
+        self.changed.signal(());
+    }
+
+    /// Has everything forgotten that is stored or waits.
+    pub fn forget(&self) {
+        self.state.lock(|state| {
+            let state = &mut *state.borrow_mut();
+            state.records.clear();
+            state.set = None;
+            state.forget = true;
+        });
+        self.changed.signal(());
+    }
+
+    /// Has `number` confirmed when nothing waits any more.
+    pub fn confirm(&self, number: u8) {
+        self.state.lock(|state| state.borrow_mut().confirm = Some(number));
+        self.changed.signal(());
+    }
+
     /// Restarts the controller once everything is stored and the other one has been told.
     pub fn restart(&self) {
         self.state.lock(|state| state.borrow_mut().restart = true);
@@ -63,25 +99,46 @@ impl RecordQueue {
     fn take(&self) -> Option<Order> {
         self.state.lock(|state| {
             let state = &mut *state.borrow_mut();
-            let key = state.records.keys().next().copied();
-            match key.and_then(|key| state.records.remove(&key).map(|number| (key, number))) {
-                Some((key, number)) => Some(Order::Store { key, number }),
-                None => state.restart.then_some(Order::Restart),
+            if core::mem::take(&mut state.forget) {
+                return Some(Order::Forget);
             }
+            let key = state.records.keys().next().copied();
+            if let Some((key, number)) =
+                key.and_then(|key| state.records.remove(&key).map(|number| (key, number)))
+            {
+                return Some(Order::Store { key, number });
+            }
+            let set = state.set.take().map(Order::StoreSet);
+            set.or_else(|| state.confirm.take().map(Order::Confirm))
+                .or_else(|| state.restart.then_some(Order::Restart))
         })
     }
 
-    /// Stores what is put in, and restarts when asked to.
-    pub async fn serve(&self, parameters: &mut Parameters) -> ! {
+    /// Stores what is put in, and restarts when asked to. `confirm` is told the numbers that are to
+    /// be confirmed, and whether anything failed since the last one.
+    pub async fn serve(
+        &self,
+        parameters: &mut Parameters,
+        mut confirm: impl FnMut(u8, Outcome),
+    ) -> ! {
+        let mut failed = false;
         loop {
             while let Some(order) = self.take() {
-                match order {
+                let outcome = match order {
+                    Order::Forget => parameters.forget().await,
                     Order::Store { key, number } => parameters.keep(key, number).await,
+                    Order::StoreSet(set) => parameters.keep_set(&set).await,
+                    Order::Confirm(number) => {
+                        let failed = core::mem::take(&mut failed);
+                        confirm(number, if failed { Outcome::Failed } else { Outcome::Stored });
+                        Outcome::Stored
+                    }
                     Order::Restart => {
                         Timer::after(LAST_FRAMES_TIME).await;
                         cortex_m::peripheral::SCB::sys_reset();
                     }
-                }
+                };
+                failed |= outcome == Outcome::Failed;
             }
             self.changed.wait().await;
         }

@@ -89,5 +89,5 @@ async fn watch(watchdog: Peri<'static, IWDG>) -> ! {
 
 #[embassy_executor::task]
 async fn keep(parameters: &'static mut Parameters) -> ! {
-    core_task::RECORDS.serve(parameters).await
+    core_task::RECORDS.serve(parameters, |_, _| {}).await
 }

@@ -10,10 +10,12 @@ use core::task::{Poll, Waker};
 use embassy_executor::InterruptExecutor;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::InterruptExt;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::channel::Channel;
 use embassy_sync::waitqueue::AtomicWaker;
-use firmware_board::{Beat, Outbox, RecordQueue, priority};
+use firmware_board::{Beat, NumberSet, Outbox, Outcome, RecordQueue, priority};
 use heapless::spsc::Consumer;
-use interface::{BusState, Event, Interface, Record};
+use interface::{BusState, Event, Interface, NotSaved, Record};
 use units::{Duration, Instant};
 
 use crate::can::{ErrorState, Fifo, Port, Received};
@@ -37,7 +39,18 @@ pub(crate) static TO_APPLICATION: Outbox = Outbox::new();
 /// What the core wants stored.
 pub(crate) static RECORDS: RecordQueue = RecordQueue::new();
 
-/// There are bytes from the link, or it is time to show up.
+/// What became of what the core wanted stored: at most two requests wait for it at a time.
+static CONFIRMED: Channel<CriticalSectionRawMutex, (u8, Outcome), 2> = Channel::new();
+
+/// Tells the core what became of everything until a number.
+pub(crate) fn confirm(number: u8, outcome: Outcome) {
+    if CONFIRMED.try_send((number, outcome)).is_err() {
+        defmt::error!("more confirmations than requests");
+    }
+    wake();
+}
+
+/// There is something besides frames, or it is time to show up.
 pub(crate) fn wake() {
     TASK.wake();
 }
@@ -193,6 +206,7 @@ impl Core {
 
     fn run(&mut self) {
         self.take_link_bytes();
+        self.take_confirmations();
         self.take_bus_state();
     }
 
@@ -211,6 +225,18 @@ impl Core {
             self.transmit();
             self.hand_on();
             chunk.clear();
+        }
+    }
+
+    fn take_confirmations(&mut self) {
+        while let Ok((number, outcome)) = CONFIRMED.try_receive() {
+            let outcome = match outcome {
+                Outcome::Stored => Ok(()),
+                Outcome::Failed => Err(NotSaved),
+            };
+            self.parts.interface.handle_saved(now(), number, outcome);
+            self.transmit();
+            self.hand_on();
         }
     }
 
@@ -266,6 +292,15 @@ impl Core {
     fn act(&mut self, event: Event) {
         match event {
             Event::Store(Record { key, value }) => RECORDS.put(key, value),
+            Event::StoreSet => {
+                let mut set = NumberSet::new();
+                for Record { key, value } in self.parts.interface.set_to_store() {
+                    let _ = set.push((key, value));
+                }
+                RECORDS.put_set(set);
+            }
+            Event::Forget => RECORDS.forget(),
+            Event::Confirm(number) => RECORDS.confirm(number),
             Event::FiltersChanged => self.configure_bus(),
             Event::Restart => RECORDS.restart(),
         }

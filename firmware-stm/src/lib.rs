@@ -52,13 +52,11 @@ pub async fn run(spawner: Spawner, product: &'static Product) -> ! {
         })
         .await;
     let boot = Boot { serial_number: serial_number(), nonce: started.number.get() };
-    let interface = INTERFACE.init_with(|| Interface::new(core_task::now(), product, boot));
-    for (key, number) in &records {
-        interface.restore(*key, *number);
-    }
+    let stored = records.iter().map(|(key, number)| (*key, *number));
+    let interface = INTERFACE.init_with(|| Interface::new(core_task::now(), product, boot, stored));
     let port = can::Port::new(can::Pins { can: p.CAN1, rx: p.PD0, tx: p.PD1 });
     core_task::start(core_task::Parts { interface, port, from_application });
-    core_task::RECORDS.serve(parameters).await
+    core_task::RECORDS.serve(parameters, core_task::confirm).await
 }
 
 #[embassy_executor::task]

@@ -19,6 +19,12 @@ pub enum ToInterface {
         /// Values, 32 bits each.
         values: Vec<u32, SNAPSHOT_VALUES_MAX>,
     },
+    /// The user touched the device while it showed an offer. Sent again every cycle until the offer
+    /// is withdrawn.
+    Touched {
+        /// The number of the offer.
+        offer: u8,
+    },
 }
 
 /// The state of the application, sent in a fixed cycle.

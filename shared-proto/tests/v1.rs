@@ -111,6 +111,7 @@ fn to_interface() {
             ToInterface::Snapshot { from: 60, values: [0, 1000, u32::MAX].into_iter().collect() },
             "04 02 3c 03 0a e8 07 ff ff ff ff 0f 6d 7c 00",
         ),
+        (ToInterface::Touched { offer: 3 }, "05 03 03 3f 78 00"),
     ] {
         check(&message, frozen);
     }

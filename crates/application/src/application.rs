@@ -5,17 +5,20 @@ use object_dictionary::{Number, ObjectId};
 use positioning::chain::{self, Correction, CountingDirection, Setpoint};
 use positioning::encoder::TurnOffset;
 use positioning::filter;
-use profiles::{Product, nm17x};
+use profiles::nm17x::between_controllers::{MESSAGE_END, MESSAGE_PARTS, OFFER};
+use profiles::{Equipment, Product, nm17x};
 use shared_proto::limits::CYCLE_MS;
 use shared_proto::{Encoded, Hello, ToInterface, encode};
 use units::{Duration, Instant, Position, Scaling, Steps};
 
 use crate::display::{
-    Identity, LastDigit, LengthUnit, Mounting, Operation, Rest, Rounding, Settings,
+    Identity, LastDigit, LengthUnit, Mounting, Notice, Operation, Rest, Rounding, Settings,
 };
 use crate::errors::Errors;
 use crate::guidance::{self, ArrowMode, Guidance, HideSetpoint};
 use crate::link::{Link, Order, Report};
+use crate::message::Message;
+use crate::offer::{Key, Offer};
 use crate::panel::Contact;
 use crate::parameters::Parameters;
 use crate::record::{Record, RecordKey};
@@ -35,6 +38,17 @@ const RESTART_AFTER: Duration = Duration::from_millis(3 * CYCLE_MS);
 
 const _: () =
     assert!(CYCLE_STEPS * STEP.as_micros() == Duration::from_millis(CYCLE_MS).as_micros());
+
+/// Objects that put a setpoint into force.
+const SETPOINTS: [ObjectId; 7] = [
+    nm17x::STANDARD_SETPOINT.id(),
+    nm17x::START_STANDARD_SETPOINT.id(),
+    nm17x::DIMENSION_SETPOINT.id(),
+    nm17x::START_DIMENSION_SETPOINT.id(),
+    nm17x::START_DIRECT_SETPOINT.id(),
+    nm17x::SAW_IN_SETPOINT.id(),
+    nm17x::START_SAW_IN_SETPOINT.id(),
+];
 
 /// What the application core is told when it starts.
 #[derive(Clone, Copy, Debug)]
@@ -96,6 +110,8 @@ pub struct Application {
     left_key: Contact,
     right_key: Contact,
     rest: Rest,
+    message: Message,
+    offer: Option<Offer>,
     link: Link,
     restart_at: Option<Instant>,
 }
@@ -138,10 +154,13 @@ impl Application {
             left_key: Contact::default(),
             right_key: Contact::default(),
             rest: Rest::default(),
+            message: Message::default(),
+            offer: None,
             link: Link::new(own),
             restart_at: None,
         };
-        application.latch_setpoint();
+        application.start_from_standard_setpoint();
+        application.follow_clamping();
         application
     }
 
@@ -153,10 +172,19 @@ impl Application {
             jumps_max: u8::try_from(self.parameters.get(&nm17x::FILTER_COUNT)).unwrap_or(u8::MAX),
         };
         self.sensor = self.sensor.step(&inputs.ssi, self.turns(), &filter);
-        self.left_key = self.left_key.step(inputs.left_key);
-        self.right_key = self.right_key.step(inputs.right_key);
-        let key_pressed = self.left_key.active() || self.right_key.active();
-        self.rest = self.rest.step(now, self.displayed(), key_pressed);
+        let (left, right) = match self.product.equipment {
+            Equipment::Nothing => (false, false),
+            Equipment::KeysAndMotor => (inputs.left_key, inputs.right_key),
+        };
+        let before = (self.left_key, self.right_key);
+        self.left_key = self.left_key.step(left);
+        self.right_key = self.right_key.step(right);
+        let any_active = self.left_key.active() || self.right_key.active();
+        let pressed =
+            self.left_key.is_pressed_since(before.0) || self.right_key.is_pressed_since(before.1);
+        let key = if pressed { Key::Pressed } else { Key::Untouched };
+        self.rest = self.rest.step(now, self.displayed(), any_active);
+        self.offer = self.offer.map(|offer| offer.step(self.sensor.valid_steps(), key));
         self.link.handle_time(now);
         match self.steps % CYCLE_STEPS {
             0 => self.link.start_cycle(),
@@ -171,6 +199,10 @@ impl Application {
         for byte in bytes {
             match self.link.handle_byte(now, *byte) {
                 Some(Order::Write(id, raw)) => self.write(now, id, raw),
+                Some(Order::StartAnew) => {
+                    self.message.end();
+                    self.offer = None;
+                }
                 // Nothing moves on its own yet; the acknowledgement says so.
                 Some(Order::Stop(_)) | None => {}
             }
@@ -182,7 +214,10 @@ impl Application {
         let message = match self.link.poll_greeting() {
             Some(hello) => ToInterface::Hello(hello),
             None if self.link.take_process_due() => self.link.process(self.report()),
-            None => self.link.poll_values(&mut self.parameters)?,
+            None => {
+                let touched = self.offer.and_then(|offer| offer.touched());
+                self.link.poll_values(touched, &mut self.parameters)?
+            }
         };
         Some(encode(&message))
     }
@@ -226,6 +261,7 @@ impl Application {
             guidance: self.guidance(),
             error: self.errors().text(),
             rest: self.rest,
+            notice: self.notice(),
         };
         settings.view(self.now, &identity, &operation)
     }
@@ -244,17 +280,49 @@ impl Application {
     }
 
     fn write(&mut self, now: Instant, id: ObjectId, raw: u32) {
-        if self.parameters.check(id, raw).is_err() || self.act(now, id, raw).is_err() {
-            self.parameters.tell(id);
+        if let Some(part) = MESSAGE_PARTS.iter().position(|part| *part == id) {
+            return self.message.take_part(part, raw);
+        }
+        if id == OFFER {
+            self.offer = Offer::from_raw(raw);
             return;
         }
-        self.parameters.write(id, raw);
-        if id == nm17x::STANDARD_SETPOINT.id() {
-            self.latch_setpoint();
+        self.message.end();
+        if id == MESSAGE_END {
+            return;
+        }
+        if self.parameters.check(id, raw).is_err() || self.act(now, id, raw).is_err() {
+            self.parameters.tell(id);
+        } else if !nm17x::COMMANDS.contains(&id) {
+            self.parameters.write(id, raw);
+            self.follow(id, raw);
         }
     }
 
-    /// What a write does besides changing the value. An error leaves everything as it was.
+    /// What follows from a value that has been taken over.
+    fn follow(&mut self, id: ObjectId, raw: u32) {
+        if id == nm17x::START_STANDARD_SETPOINT.id() {
+            self.parameters.change(&nm17x::STANDARD_SETPOINT, raw.cast_signed());
+        }
+        if SETPOINTS.contains(&id) {
+            self.latch_setpoint(raw.cast_signed());
+        }
+        self.follow_clamping();
+    }
+
+    /// Object 0x2048: with a clamp it is closed, because nothing is driven (NM17x OD-2048-1).
+    fn follow_clamping(&mut self) {
+        const NO_CLAMP: u8 = 0;
+        const CLOSED: u8 = 2;
+        let clamp = match self.parameters.get(&nm17x::CLAMPING) {
+            1..=799 => CLOSED,
+            _ => NO_CLAMP,
+        };
+        self.parameters.change(&nm17x::CLAMP, clamp);
+    }
+
+    /// What a write does besides changing the value. An error leaves everything as it was. Commands
+    /// to the motor do nothing: there is no drive that could follow them yet.
     fn act(&mut self, now: Instant, id: ObjectId, raw: u32) -> Result<(), NotPossible> {
         if id == nm17x::PRESET.id() {
             let preset = Number::from_raw(raw);
@@ -281,6 +349,7 @@ impl Application {
             ResetFunction::Parameters => self.parameters.restore_defaults(&[
                 nm17x::CORRECTION.id(),
                 nm17x::STANDARD_SETPOINT.id(),
+                nm17x::START_STANDARD_SETPOINT.id(),
                 nm17x::PRESET.id(),
             ]),
             ResetFunction::TurnCounter => {
@@ -291,7 +360,7 @@ impl Application {
             ResetFunction::ParametersAndOffsets => {
                 self.parameters.restore_defaults(&[]);
                 self.preset_offset.set(0);
-                self.latch_setpoint();
+                self.latch_setpoint(self.parameters.get(&nm17x::STANDARD_SETPOINT));
             }
             ResetFunction::Correction => self.parameters.change(&nm17x::CORRECTION, 0),
             ResetFunction::Restart => self.restart_at = Some(now + RESTART_AFTER),
@@ -300,11 +369,37 @@ impl Application {
         Ok(())
     }
 
-    /// The setpoint that is in force is the stored one, with the correction of this moment (NM17x
-    /// POS-11, BOOT-05).
-    fn latch_setpoint(&mut self) {
-        let sent = Position::from_hundredths_mm(self.parameters.get(&nm17x::STANDARD_SETPOINT));
+    /// The stored setpoint is in force, and all others are the same (NM17x BOOT-05, A-71).
+    fn start_from_standard_setpoint(&mut self) {
+        let standard = self.parameters.get(&nm17x::STANDARD_SETPOINT);
+        for object in [
+            nm17x::DIMENSION_SETPOINT,
+            nm17x::START_DIMENSION_SETPOINT,
+            nm17x::START_DIRECT_SETPOINT,
+            nm17x::SAW_IN_SETPOINT,
+            nm17x::START_SAW_IN_SETPOINT,
+        ] {
+            self.parameters.write(object.id(), standard.cast_unsigned());
+        }
+        self.latch_setpoint(standard);
+    }
+
+    /// A setpoint comes into force with the correction of this moment (NM17x POS-11).
+    fn latch_setpoint(&mut self, hundredths_mm: i32) {
+        let sent = Position::from_hundredths_mm(hundredths_mm);
         self.setpoint = Setpoint::new(sent, self.correction());
+    }
+
+    fn notice(&self) -> Notice {
+        if let Some(offer) = self.offer {
+            Notice::Offer(offer.node_id())
+        } else if let Some((upper, lower)) = self.message.lines() {
+            Notice::Message(upper, lower)
+        } else if self.parameters.get(&nm17x::SHOW_NODE_ID) == 1 {
+            Notice::NodeId
+        } else {
+            Notice::None
+        }
     }
 
     fn report(&self) -> Report {
@@ -325,7 +420,10 @@ impl Application {
     }
 
     fn errors(&self) -> Errors {
-        Errors::at(self.position())
+        match self.product.equipment {
+            Equipment::Nothing => Errors::default(),
+            Equipment::KeysAndMotor => Errors::at(self.position()),
+        }
     }
 
     /// Object 0x6004: the last one known. Zero before the first read of the sensor.

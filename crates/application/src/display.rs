@@ -97,6 +97,21 @@ pub(crate) struct Operation {
     pub(crate) error: Option<&'static [u8]>,
     /// How long it has been at rest.
     pub(crate) rest: Rest,
+    /// What else is to be shown.
+    pub(crate) notice: Notice,
+}
+
+/// What the display shows besides, or instead.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Notice {
+    /// Nothing.
+    None,
+    /// A node-ID on offer in the place of the setpoint (NM17x ADDR-08, DISP-15).
+    Offer(u8),
+    /// A text of the master's: upper and lower line (NM17x DISP-17).
+    Message(Line, Line),
+    /// The own node-ID in the lower line and nothing else (NM17x DISP-16).
+    NodeId,
 }
 
 impl Settings {
@@ -108,7 +123,16 @@ impl Settings {
         } else if on_since < NODE_ID_UNTIL {
             node_id(identity)
         } else {
-            self.operation(now, operation)
+            match operation.notice {
+                Notice::None => self.operation(now, operation),
+                Notice::Offer(offered) => View {
+                    upper: node_id_line(offered),
+                    arrows: Arrows::NONE,
+                    ..self.operation(now, operation)
+                },
+                Notice::Message(upper, lower) => View { upper, lower, arrows: Arrows::NONE },
+                Notice::NodeId => node_id(identity),
+            }
         };
         self.mounted(view)
     }
@@ -183,12 +207,15 @@ fn designation(identity: &Identity) -> View {
 }
 
 fn node_id(identity: &Identity) -> View {
-    let number = |node_id: u8| Line::whole(node_id.into(), NODE_ID_DIGITS_MIN);
     View {
         upper: Line::BLANK,
-        lower: identity.node_id.map_or(Line::BLANK, number),
+        lower: identity.node_id.map_or(Line::BLANK, node_id_line),
         arrows: Arrows::NONE,
     }
+}
+
+fn node_id_line(node_id: u8) -> Line {
+    Line::whole(node_id.into(), NODE_ID_DIGITS_MIN)
 }
 
 fn shows_error(now: Instant) -> bool {

@@ -17,6 +17,8 @@ mod display;
 mod errors;
 mod guidance;
 mod link;
+mod message;
+mod offer;
 mod panel;
 mod parameters;
 mod record;

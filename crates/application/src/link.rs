@@ -30,6 +30,8 @@ pub(crate) enum Order {
     Write(ObjectId, u32),
     /// Stop everything that moves.
     Stop(Urgency),
+    /// The other controller has restarted: what it wanted shown is over (NM17x ADDR-10, DISP-19).
+    StartAnew,
 }
 
 /// Whether the two controllers work together.
@@ -102,10 +104,7 @@ impl Link {
         let message = self.receiver.push(byte)?;
         self.heard_at = now;
         match message {
-            ToApplication::Hello(hello) => {
-                self.handle_hello(&hello);
-                None
-            }
+            ToApplication::Hello(hello) => self.handle_hello(&hello),
             ToApplication::Idle(supervision) => {
                 self.supervise(supervision)?;
                 None
@@ -173,11 +172,18 @@ impl Link {
         })
     }
 
-    /// Once in a cycle: values that were asked for, else values to tell, else now and then some of
-    /// the round.
-    pub(crate) fn poll_values(&mut self, parameters: &mut Parameters) -> Option<ToInterface> {
+    /// Once in a cycle: that the offer of this number was touched, else values that were asked for,
+    /// else values to tell, else now and then some of the round.
+    pub(crate) fn poll_values(
+        &mut self,
+        touched: Option<u8>,
+        parameters: &mut Parameters,
+    ) -> Option<ToInterface> {
         if !core::mem::take(&mut self.values_due) || !self.in_service() {
             return None;
+        }
+        if let Some(offer) = touched {
+            return Some(ToInterface::Touched { offer });
         }
         let (from, values) = self
             .wanted(parameters)
@@ -206,8 +212,9 @@ impl Link {
         self.supervision.map(|supervision| supervision.node_id)
     }
 
-    fn handle_hello(&mut self, hello: &Hello) {
-        if self.own.heard != hello.nonce {
+    fn handle_hello(&mut self, hello: &Hello) -> Option<Order> {
+        let restarted = self.own.heard != hello.nonce;
+        if restarted {
             self.own.heard = hello.nonce;
             self.service = Service::Out;
             self.acknowledged = 0;
@@ -223,6 +230,7 @@ impl Link {
             self.service = Service::Out;
         }
         self.answer_due |= self.in_service() && !hello.in_service;
+        restarted.then_some(Order::StartAnew)
     }
 
     /// Takes over what every message but a greeting says. `None` out of service, where they are not

@@ -26,6 +26,11 @@ impl Contact {
         }
     }
 
+    /// Whether it has been pressed since `before`.
+    pub(crate) fn is_pressed_since(self, before: Self) -> bool {
+        self.active && !before.active
+    }
+
     /// Whether it is pressed.
     pub(crate) fn active(self) -> bool {
         self.active

@@ -5,6 +5,7 @@ mod rig;
 use expect_test::{Expect, expect};
 use lcd::Glyph;
 use profiles::nm17x;
+use profiles::nm17x::between_controllers::{MESSAGE_END, OFFER};
 use rig::{CYCLE, MIDDLE, Rig, TURN};
 
 /// Both lines and the arrows as text. Letters that look like digits read as digits.
@@ -230,4 +231,95 @@ fn a_silent_sensor_is_seen() {
         rig.steps(CYCLE);
         check(&rig, "[  10.00] [   7.00] >");
     }
+}
+
+/// NM17x OD-2008-1, DISP-16, A-104: the node-ID in the lower line, until 0 is written.
+#[test]
+fn the_node_id_is_shown_on_demand() {
+    let mut rig = in_operation();
+    rig.write(&nm17x::SHOW_NODE_ID, 1);
+    check(&rig, "[      ] [   127]");
+    rig.write(&nm17x::LOOP_LENGTH, 5);
+    check(&rig, "[      ] [   127]");
+    rig.write(&nm17x::SHOW_NODE_ID, 0);
+    check(&rig, "[  10.00] [   0.00] >");
+}
+
+/// NM17x OD-2007-1, DISP-17, DISP-18, DISP-19: a text on both lines; what seven segments can not
+/// show is blank, the point included. It ends with any write and with a restart of the other
+/// controller.
+#[test]
+fn a_text_of_the_master_is_shown() {
+    let mut rig = in_operation();
+    rig.show(b"HALT-_1.Kx42");
+    check(&rig, "[HALT-_] [1   42]");
+    rig.write(&nm17x::LOOP_LENGTH, 5);
+    check(&rig, "[  10.00] [   0.00] >");
+    rig.show(b"            ");
+    check(&rig, "[      ] [      ]");
+    rig.write_to(MESSAGE_END, 0);
+    check(&rig, "[  10.00] [   0.00] >");
+    rig.show(b"STOP  12  34");
+    rig.partner.nonce += 1;
+    rig.greet();
+    check(&rig, "[  10.00] [   0.00] >");
+}
+
+/// NM17x ADDR-08, ADDR-09, ADDR-10, DISP-15, A-49, A-104: an offer in the upper line; a quarter of a
+/// turn or a key takes it, once. It is gone when the other controller withdraws it or restarts.
+#[test]
+fn a_node_id_is_offered() {
+    let mut rig = in_operation();
+    rig.write_to(OFFER, 0x0102);
+    check(&rig, "[    02] [   0.00]");
+    rig.turn_to(MIDDLE + TURN / 4 - 8);
+    rig.steps(CYCLE);
+    assert!(!rig.said().contains("touched"));
+    rig.turn_to(MIDDLE + TURN / 4);
+    rig.steps(CYCLE);
+    assert!(rig.said().contains("touched during offer 1\n"));
+    rig.write_to(OFFER, 0x0002);
+    rig.said();
+    rig.steps(CYCLE);
+    assert!(!rig.said().contains("touched"));
+    check(&rig, "[    02] [   1.00]");
+    rig.inputs.left_key = true;
+    rig.steps(2 * CYCLE);
+    rig.write_to(OFFER, 0x0203);
+    rig.steps(4 * CYCLE);
+    assert!(!rig.said().contains("touched"), "a key that was down before");
+    rig.inputs.left_key = false;
+    rig.steps(4 * CYCLE);
+    rig.inputs.left_key = true;
+    rig.steps(4 * CYCLE);
+    assert!(rig.said().contains("touched during offer 2\n"));
+    rig.write_to(OFFER, 0);
+    check(&rig, "[  10.00] [   1.00] >");
+    rig.write_to(OFFER, 0x0304);
+    rig.partner.nonce += 1;
+    rig.greet();
+    check(&rig, "[  10.00] [   1.00] >");
+}
+
+/// NM17x OD-2020-2 to OD-2020-8, A-71: every setpoint is shown as soon as it is written; the two
+/// standard ones are one, and all others start from it.
+#[test]
+fn every_setpoint_comes_into_force() {
+    let mut rig = in_operation();
+    for (object, value, shown) in [
+        (nm17x::STANDARD_SETPOINT, 1_100, "[  11.00] [   0.00] >"),
+        (nm17x::START_STANDARD_SETPOINT, 1_200, "[  12.00] [   0.00] >"),
+        (nm17x::DIMENSION_SETPOINT, -1_300, "[- 13.00] [   0.00] <"),
+        (nm17x::START_DIMENSION_SETPOINT, 1_400, "[  14.00] [   0.00] >"),
+        (nm17x::START_DIRECT_SETPOINT, 1_500, "[  15.00] [   0.00] >"),
+        (nm17x::SAW_IN_SETPOINT, 1_600, "[  16.00] [   0.00] >"),
+        (nm17x::START_SAW_IN_SETPOINT, 1_700, "[  17.00] [   0.00] >"),
+    ] {
+        rig.write(&object, value);
+        check(&rig, shown);
+    }
+    assert_eq!(rig.stores, [(0x20_2001, 1_100), (0x20_2001, 1_200), (0x20_2002, 1_200)]);
+    rig.restart();
+    rig.run_until_ms(6_000);
+    check(&rig, "[  12.00] [   0.00] >");
 }

@@ -33,14 +33,14 @@ fn two_controllers_meet() {
     check(
         &mut rig,
         expect![[r#"
-        hello from a0, heard 0, out of service
-        hello from a0, heard 0, out of service
-        hello from a0, heard b0, out of service
-        hello from a0, heard b0, in service
-        process 1: at 0, write 0, stop 0
-        process 2: at 0, write 0, stop 0
-        process 3: at 0, write 0, stop 0
-    "#]],
+            hello from a0, heard 0, out of service
+            hello from a0, heard 0, out of service
+            hello from a0, heard b0, out of service
+            hello from a0, heard b0, in service
+            process 1: at 0, write 0, stop 0
+            process 2: at 0, write 0, stop 0
+            process 3: at 0, write 0, stop 0
+        "#]],
     );
 }
 
@@ -63,7 +63,7 @@ fn a_repeated_write_is_executed_once() {
     check(
         &mut rig,
         expect![[r#"
-            values from 31: 10
+            values from 68: 10
             process 1: at 5000, write 1, stop 0
             process 2: at 5400, write 1, stop 0
             process 3: at 5400, write 1, stop 0
@@ -72,7 +72,7 @@ fn a_repeated_write_is_executed_once() {
             process 6: at 5400, write 1, stop 0
             process 7: at 5400, write 1, stop 0
             process 8: at 5400, write 1, stop 0
-            values from 41: 10
+            values from 78: 10
             process 9: at 5400, write 1, stop 0
             process 10: at 0, write 2, stop 0
         "#]],
@@ -92,20 +92,22 @@ fn values_are_sent_when_they_are_asked_for() {
     check(
         &mut rig,
         expect![[r#"
-            values from 60: 7
+            values from 60: 10
             process 1: at 0, write 0, stop 0
+            values from 70: 10
             process 2: at 0, write 0, stop 0
+            values from 80: 10
             process 3: at 0, write 0, stop 0
             process 4: at 0, write 0, stop 0
         "#]],
     );
 
-    let mut rig = Rig::in_service();
+    let mut rig = Rig::attended();
     rig.write(&nm17x::LOOP_LENGTH, 321);
     rig.steps(CYCLE);
     rig.said();
     rig.say(&ToApplication::RequestSnapshot { supervision: SUPERVISION, from: 0 });
-    rig.steps(20 * CYCLE);
+    rig.steps(16 * CYCLE);
     let mut values = Vec::new();
     for message in rig.heard {
         match message {
@@ -113,7 +115,7 @@ fn values_are_sent_when_they_are_asked_for() {
                 assert_eq!(usize::from(from), values.len());
                 values.extend(run);
             }
-            ToInterface::Hello(_) | ToInterface::Process(_) => {}
+            ToInterface::Hello(_) | ToInterface::Process(_) | ToInterface::Touched { .. } => {}
         }
     }
     assert_eq!(values.len(), nm172::LEN);
@@ -251,12 +253,12 @@ fn a_write_that_is_not_possible_is_undone_in_the_copy() {
     check(
         &mut rig,
         expect![[r#"
-            values from 65: 1
+            values from 150: 1
             process 3: at 0, write 2, stop 0
-            values from 34: 1
+            values from 71: 1
             process 4: at 0, write 3, stop 0
             process 5: at 0, write 4, stop 0
-            values from 66: 1
+            values from 151: 1
             process 6: at 0, write 5, stop 0
             process 7: at 0, write 5, stop 0
         "#]],

@@ -215,7 +215,8 @@ fn application(nonce: u32, storage: &BTreeMap<u32, u32>) -> Application {
 }
 
 fn interface(nonce: u32) -> Interface {
-    Interface::new(Instant::ZERO, &nm172::PRODUCT, interface::Boot { serial_number: 1, nonce })
+    let boot = interface::Boot { serial_number: 1, nonce };
+    Interface::new(Instant::ZERO, &nm172::PRODUCT, boot, [])
 }
 
 /// The rows that the application controller stores.

@@ -15,7 +15,13 @@ impl Emergency {
     pub(crate) const CAN_OVERRUN: Self = Self::new(0x8110, 0);
     pub(crate) const BUS_PASSIVE: Self = Self::new(0x8120, 0);
     pub(crate) const BUS_OFF_RECOVERED: Self = Self::new(0x8140, 0);
+    pub(crate) const NO_BROADCAST: Self = Self::new(0x8220, 1);
+    pub(crate) const PDO_NOT_QUEUED: Self = Self::new(0x8220, 2);
+    pub(crate) const WRONG_VALUE: Self = Self::new(0x8220, 3);
+    pub(crate) const WRONG_CONTROL_WORD: Self = Self::new(0x8230, 1);
     pub(crate) const WRITE_QUEUE_FULL: Self = Self::new(0x8301, 1);
+    pub(crate) const STOP_NOT_SENT: Self = Self::new(0x8320, 2);
+    pub(crate) const OFFER_NOT_SENT: Self = Self::new(0x8320, 3);
     pub(crate) const LINK_LOST: Self = Self::new(0x8310, 4);
 
     const fn new(code: u16, sub_code: u8) -> Self {

@@ -1,25 +1,35 @@
+use canopen::lss::BitRate;
 use canopen::{Accepted, Frame, Node, NodeId, State};
 use heapless::Deque;
-use object_dictionary::{Access, Owner, Slot};
-use profiles::nm17x::{BIT_RATE, NODE_ID, SERIAL_NUMBER, STATUS_REGISTER};
+use object_dictionary::{Access, Owner, Row, Slot};
+use profiles::nm17x::{BIT_RATE, COMMANDS, NODE_ID, SERIAL_NUMBER, STATUS_REGISTER};
 use profiles::{OBJECTS_MAX, Product};
 use shared_proto::{Encoded, Hello, NodeState, PROTOCOL, ProcessData, Urgency};
 use units::{Duration, Instant};
 
+use crate::bit_timing::BitTiming;
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
+use crate::message::Message;
 use crate::nm17x::SETTINGS;
 use crate::objects::{Known, Objects, Outcome};
 use crate::record::Record;
+use crate::saving::{Parameters, Saving};
 use crate::slots::Slots;
+use crate::stored::Set;
+
+mod lss;
+mod receive;
+
+pub(crate) use receive::Received;
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
 /// The pre-defined error field outlives a restart of the communication (NM17x EMCY-04).
 const ERROR_FIELD: u16 = 0x1003;
-/// Events that may wait for [`Interface::poll_event`]: one input makes at most a record, new filters
-/// and a restart.
-const EVENTS_MAX: usize = 3;
+/// Events that may wait for [`Interface::poll_event`]: one input makes at most two records with their
+/// confirmation, new filters and a restart.
+const EVENTS_MAX: usize = 5;
 
 /// What the shell knows when it starts.
 #[derive(Clone, Copy, Debug)]
@@ -48,11 +58,22 @@ pub enum BusState {
 pub enum Event {
     /// Save this, now.
     Store(Record),
+    /// Replace the saved set by [`Interface::set_to_store`], as a whole.
+    StoreSet,
+    /// Forget all that is saved, in one step.
+    Forget,
+    /// When everything until here is saved, or is not, call [`Interface::handle_saved`] with this
+    /// number.
+    Confirm(u8),
     /// Set the acceptance filters to what [`Interface::accepts`] says.
     FiltersChanged,
     /// Restart the controller, behind everything that is to be saved.
     Restart,
 }
+
+/// The memory did not take what was to be saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotSaved;
 
 /// The CAN interface controller, without pins, clock and tasks.
 ///
@@ -69,14 +90,31 @@ pub struct Interface {
     values_known: bool,
     bus: BusState,
     conditions: Conditions,
+    /// In 0x2100's numbers.
+    bit_rate: u8,
+    bit_timing: Option<BitTiming>,
+    stored: Set,
+    saving: Saving,
+    message: Message,
+    /// The last correction of RxPDO2, until another one is written.
+    received_correction: Option<u16>,
+    /// The number of the offer that the application controller shows.
+    offer: Option<u8>,
+    /// The number of the last offer.
+    offers: u8,
     events: Deque<Event, EVENTS_MAX>,
 }
 
 impl Interface {
-    /// A controller with everything at delivery state. Stored numbers follow with
-    /// [`Self::restore`], before anything else is handled.
+    /// The controller at its start. `stored` are keys and numbers that earlier events gave, in any
+    /// order; those that are none of this controller's or no longer permitted are left out.
     #[must_use]
-    pub fn new(now: Instant, product: &'static Product, boot: Boot) -> Self {
+    pub fn new(
+        now: Instant,
+        product: &'static Product,
+        boot: Boot,
+        stored: impl IntoIterator<Item = (u32, u32)>,
+    ) -> Self {
         let hello = Hello {
             protocol: PROTOCOL,
             product: product.code,
@@ -89,44 +127,67 @@ impl Interface {
         let rows = product.dictionary.rows();
         let first = rows.iter().position(|row| row.owner == Owner::Application).unwrap_or(0);
         let rows = position(first)..position(rows.len());
+        let (mut set, mut node_id, mut bit_rate) = (Set::default(), DELIVERED_NODE_ID, None);
+        for (key, value) in stored {
+            if set.restore(Record { key, value }, product.dictionary) {
+            } else if key == NODE_ID.id().key() {
+                let stored = u8::try_from(value).ok().and_then(NodeId::new);
+                node_id = stored.unwrap_or(node_id);
+            } else if key == BIT_RATE.id().key() {
+                bit_rate = u8::try_from(value).ok().filter(|rate| *rate <= BIT_RATE_MAX);
+            }
+        }
+        let slots = Slots::of(product.dictionary);
         let mut interface = Self {
             product,
-            slots: Slots::of(product.dictionary),
-            node: Node::new(product.dictionary, DELIVERED_NODE_ID, &SETTINGS),
-            link: Link::new(now, hello, rows, DELIVERED_NODE_ID.get()),
+            slots,
+            node: Node::new(product.dictionary, node_id, &SETTINGS),
+            link: Link::new(now, hello, rows, node_id.get()),
             boot_up_by: Some(now + BOOT_UP_AFTER),
             values_known: false,
             bus: BusState::Active,
             conditions: Conditions::default(),
+            bit_rate: 0,
+            bit_timing: None,
+            stored: set,
+            saving: Saving::default(),
+            message: Message::default(),
+            received_correction: None,
+            offer: None,
+            offers: 0,
             events: Deque::new(),
         };
-        interface.restore(SERIAL_NUMBER.id().key(), boot.serial_number);
-        interface
-    }
-
-    /// Takes over a number that was saved. Ignored when it is none of this controller's, or no
-    /// longer permitted.
-    pub fn restore(&mut self, key: u32, value: u32) {
-        let rows = self.product.dictionary.slots();
-        let found = rows.filter(|(_, row)| row.id.key() == key && row.permits(value)).last();
-        let Some((slot, row)) = found.filter(|(_, row)| row.owner == Owner::Interface) else {
-            return;
-        };
-        if row.id == NODE_ID.id()
-            && let Some(node_id) = u8::try_from(value).ok().and_then(NodeId::new)
-        {
-            self.rebuild_node(node_id);
-            self.link.set_node_id(node_id.get());
+        interface.set_value(Instant::ZERO, slots.serial_number, boot.serial_number);
+        interface.set_value(Instant::ZERO, slots.node_id, node_id.get().into());
+        if let Some(bit_rate) = bit_rate {
+            interface.set_value(Instant::ZERO, slots.bit_rate, bit_rate.into());
         }
-        self.node.set_value(Instant::ZERO, slot, value);
+        interface.bit_rate = interface.node.values().get(&BIT_RATE);
+        interface.stored.apply(&mut interface.node);
+        interface
     }
 
     /// The bit rate to use, in bit/s.
     #[must_use]
     pub fn bit_rate(&self) -> u32 {
-        const KBIT_S: [u32; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1_000];
-        let index = usize::from(self.node.values().get(&BIT_RATE));
-        KBIT_S.get(index).map_or(125_000, |rate| rate * 1_000)
+        let rate = BIT_RATE_MAX.checked_sub(self.bit_rate).and_then(BitRate::from_index);
+        u32::from(rate.unwrap_or(BitRate::Kbit125).kbit_per_s()) * 1_000
+    }
+
+    /// The numbers of [`Event::StoreSet`], with their keys.
+    pub fn set_to_store(&self) -> impl Iterator<Item = Record> {
+        self.saving.set().records()
+    }
+
+    /// What became of everything that was to be saved until [`Event::Confirm`].
+    pub fn handle_saved(&mut self, now: Instant, number: u8, outcome: Result<(), NotSaved>) {
+        if let Some(parameters) = self.saving.take_parameters(number) {
+            self.follow_parameters(now, parameters, outcome);
+        }
+        if let Some(settings) = self.saving.take_layer_settings(number) {
+            self.follow_layer_settings(now, settings, outcome);
+        }
+        self.settle_node(now);
     }
 
     /// The frames to let through; all others are none of this device's.
@@ -138,12 +199,22 @@ impl Interface {
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
         let known =
             Known { values: self.values_known, scaling: self.value(self.slots.scaling) != 0 };
-        let mut objects = Objects::new(&mut self.link, &self.slots, known);
+        let mut objects = Objects {
+            link: &mut self.link,
+            message: &mut self.message,
+            slots: &self.slots,
+            known,
+            outcome: Outcome::Nothing,
+        };
         self.node.handle_frame(now, frame, &mut objects);
-        match objects.outcome() {
+        match objects.outcome {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
-            Outcome::ApplicationWritten => self.follow_correction(now),
+            Outcome::ApplicationWritten(slot) => {
+                self.received_correction.take_if(|_| Some(slot) == self.slots.correction);
+                self.follow_correction(now);
+            }
+            Outcome::Received(received) => self.follow_pdo(now, received),
             Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
         }
         self.settle_node(now);
@@ -198,6 +269,7 @@ impl Interface {
             self.set_condition(now, Condition::Link, true);
             self.send(Emergency::LINK_LOST);
         }
+        self.switch_bit_rate(now);
         self.node.handle_timeout(now);
         self.settle_node(now);
     }
@@ -205,7 +277,9 @@ impl Interface {
     /// When [`Self::handle_timeout`] has something to do.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        let due = [Some(self.link.poll_timeout()), self.node.poll_timeout(), self.boot_up_by];
+        let switch_at = self.bit_timing.map(|timing| timing.due_at());
+        let link_at = Some(self.link.poll_timeout());
+        let due = [link_at, self.node.poll_timeout(), self.boot_up_by, switch_at];
         due.into_iter().flatten().min()
     }
 
@@ -242,6 +316,10 @@ const DELIVERED_NODE_ID: NodeId = match NodeId::new(127) {
     None => panic!("127 is a node-ID"),
 };
 
+/// The highest number of 0x2100, 1000 kbit/s; the table of layer setting services counts the other
+/// way.
+const BIT_RATE_MAX: u8 = 8;
+
 impl Interface {
     fn settle_link(&mut self, now: Instant) {
         while let Some(event) = self.link.poll_event() {
@@ -253,6 +331,7 @@ impl Interface {
                     self.boot_up(now);
                     self.set_condition(now, Condition::Link, false);
                 }
+                link::Event::Touched(offer) => self.take_offer(offer),
                 link::Event::Fault(fault) => {
                     if matches!(fault, link::Fault::Lost | link::Fault::Mismatch) {
                         self.set_condition(now, Condition::Link, true);
@@ -273,7 +352,7 @@ impl Interface {
                 }
                 canopen::Event::ResetCommunication => {
                     self.link.stop(Urgency::StateLowered);
-                    self.rebuild_node(self.node.node_id());
+                    self.rebuild_node(self.node.pending_node_id().unwrap_or(self.node.node_id()));
                     self.event(Event::FiltersChanged);
                     self.boot_up_by = Some(now);
                     self.boot_up(now);
@@ -285,11 +364,30 @@ impl Interface {
                 | canopen::Event::GuardingRecovered
                 | canopen::Event::PdoOverdue { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
-                // The settings of the NM17x ask for no layer setting services.
-                canopen::Event::Lss(_) => {}
+                canopen::Event::Lss(event) => self.follow_lss(now, event),
                 canopen::Event::TransmitOverflow { .. } => self.send(Emergency::CAN_OVERRUN),
             }
         }
+    }
+
+    fn follow_parameters(
+        &mut self,
+        now: Instant,
+        parameters: Parameters,
+        outcome: Result<(), NotSaved>,
+    ) {
+        match (outcome, parameters) {
+            (Ok(()), Parameters::Keep) => self.stored = self.saving.set().clone(),
+            (Ok(()), Parameters::Forget) => {
+                self.stored = Set::default();
+                let delivered =
+                    self.slots.bit_rate.and_then(|slot| self.product.dictionary.row(slot));
+                self.set_value(now, self.slots.node_id, DELIVERED_NODE_ID.get().into());
+                self.set_value(now, self.slots.bit_rate, delivered.map_or(0, |row| row.initial(0)));
+            }
+            (Err(NotSaved), Parameters::Keep | Parameters::Forget) => {}
+        }
+        // self.node.handle_stored(now, outcome.map_err(|NotSaved| WriteError::NotStored));
     }
 
     /// Positioning is possible in Pre-operational and Operational; every step down from there stops
@@ -323,6 +421,9 @@ impl Interface {
     fn rebuild_node(&mut self, node_id: NodeId) {
         let fresh = Node::new(self.product.dictionary, node_id, &SETTINGS);
         let before = core::mem::replace(&mut self.node, fresh);
+        self.stored.apply(&mut self.node);
+        self.end_offer();
+        self.link.set_node_id(node_id.get());
         for (slot, row) in self.product.dictionary.slots() {
             let kept = row.id.index >= 0x2000 || row.id.index == ERROR_FIELD;
             if kept || row.id == SERIAL_NUMBER.id() || row.id == STATUS_REGISTER.id() {
@@ -342,28 +443,34 @@ impl Interface {
     }
 
     fn take_values(&mut self, now: Instant, from: u16, values: &[u32]) {
+        let correction = self.value(self.slots.correction);
         for (position, &value) in (from..).zip(values) {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
                 Some(row) if row.owner != Owner::Application || self.slots.is_live(slot) => {}
                 Some(row) if self.link.is_writing(row.id) => {}
-                Some(row) if row.access != Access::ReadWrite || row.permits(value) => {
-                    self.node.set_value(now, slot, value);
-                }
+                Some(row) if is_plausible(row, value) => self.node.set_value(now, slot, value),
                 Some(_) => self.send(link::Fault::CorruptValue.into()),
                 None => break,
             }
         }
+        if self.value(self.slots.correction) != correction {
+            self.received_correction = None;
+        }
         self.follow_correction(now);
     }
 
-    /// 0x2501:04: the correction in force, as far as 16 bits hold it.
+    /// 0x2501:04: the correction that RxPDO2 brought, else the one of 0x2010 as far as 16 bits
+    /// hold it; 0 while it is not in force.
     fn follow_correction(&mut self, now: Instant) {
-        let enabled = self.value(self.slots.correction_enabled) == 1;
-        let correction = if enabled { self.value(self.slots.correction).cast_signed() } else { 0 };
-        let sent =
-            i16::try_from(correction).unwrap_or(if correction < 0 { i16::MIN } else { i16::MAX });
-        self.set_value(now, self.slots.correction_sent, sent.cast_unsigned().into());
+        let correction = self.value(self.slots.correction).cast_signed();
+        let saturated = correction.clamp(i16::MIN.into(), i16::MAX.into());
+        let sent = match (self.value(self.slots.correction_enabled), self.received_correction) {
+            (0, _) => 0,
+            (_, Some(received)) => received.into(),
+            (_, None) => saturated.cast_unsigned() & u32::from(u16::MAX),
+        };
+        self.set_value(now, self.slots.correction_sent, sent);
     }
 
     fn value(&self, slot: Option<Slot>) -> u32 {
@@ -394,6 +501,12 @@ impl Interface {
             let _ = self.events.push_back(event);
         }
     }
+}
+
+/// Whether the application controller may say this of an object: of a parameter what masters may
+/// write, and of its state anything.
+fn is_plausible(row: &Row, value: u32) -> bool {
+    row.access != Access::ReadWrite || COMMANDS.contains(&row.id) || row.permits(value)
 }
 
 fn position(count: usize) -> u16 {

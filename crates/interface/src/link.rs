@@ -43,6 +43,8 @@ pub enum Event {
     Values(u16, Vec<u32, SNAPSHOT_VALUES_MAX>),
     /// All values of the application controller have been taken over since the last greeting.
     SnapshotComplete,
+    /// The user touched the device while it showed the offer of this number.
+    Touched(u8),
     /// The link is bad or good again.
     Fault(Fault),
 }
@@ -91,6 +93,8 @@ pub enum Kind {
     /// It makes something happen at that moment: it is dropped rather than executed by a partner
     /// that has restarted since.
     Action,
+    /// It moves the axis: like an action, and a stop drops it as well.
+    Start,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -213,14 +217,26 @@ impl Link {
     /// # Errors
     /// When the queue is full or the link is out of service.
     pub fn write(&mut self, id: ObjectId, value: u32, kind: Kind) -> Result<(), QueueError> {
-        if !self.in_service() {
-            return Err(QueueError::Down);
-        }
+        self.check_room(1)?;
         let sequence = next_number(self.sequence);
         let write = Write { sequence, index: id.index, sub: id.sub, value };
         self.writes.push_back(Queued { write, kind }).map_err(|_| QueueError::Full)?;
         self.sequence = sequence;
         Ok(())
+    }
+
+    /// Whether so many writes would be taken.
+    ///
+    /// # Errors
+    /// When the queue has less room or the link is out of service.
+    pub fn check_room(&self, writes: usize) -> Result<(), QueueError> {
+        if !self.in_service() {
+            Err(QueueError::Down)
+        } else if WRITES_MAX - self.writes.len() < writes {
+            Err(QueueError::Full)
+        } else {
+            Ok(())
+        }
     }
 
     /// Whether a write to this entry waits or is on its way: what the application controller says
@@ -235,8 +251,13 @@ impl Link {
             .any(|write| (write.index, write.sub) == (id.index, id.sub))
     }
 
-    /// Orders a stop. It goes out at once and again in every gap until it is acknowledged.
+    /// Orders a stop. It goes out at once and again in every gap until it is acknowledged. Starts
+    /// that still wait are dropped.
     pub fn stop(&mut self, urgency: Urgency) {
+        self.retain_writes(|kind| kind != Kind::Start);
+        if self.in_flight.is_some_and(|in_flight| in_flight.kind == Kind::Start) {
+            self.in_flight = None;
+        }
         self.urgent_number = next_number(self.urgent_number);
         let urgent = Urgent { number: self.urgent_number, urgency };
         self.urgent = Some(urgent);
@@ -255,7 +276,12 @@ impl Link {
             ToInterface::Snapshot { from, values } if self.in_service() => {
                 self.handle_values(from, values);
             }
-            ToInterface::Process(_) | ToInterface::Snapshot { .. } => self.send_hello(),
+            ToInterface::Touched { offer } if self.in_service() => {
+                self.event(Event::Touched(offer));
+            }
+            ToInterface::Process(_)
+            | ToInterface::Snapshot { .. }
+            | ToInterface::Touched { .. } => self.send_hello(),
         }
     }
 
@@ -289,20 +315,24 @@ impl Link {
     /// The partner has restarted: the moment the actions were meant for has passed.
     fn drop_actions(&mut self) {
         let waiting = self.writes.len();
-        for _ in 0..waiting {
-            if let Some(queued) = self.writes.pop_front()
-                && queued.kind == Kind::Value
-            {
-                let _ = self.writes.push_back(queued);
-            }
-        }
+        self.retain_writes(|kind| kind == Kind::Value);
         let mut dropped = self.writes.len() != waiting;
-        if self.in_flight.is_some_and(|in_flight| in_flight.kind == Kind::Action) {
+        if self.in_flight.is_some_and(|in_flight| in_flight.kind != Kind::Value) {
             self.in_flight = None;
             dropped = true;
         }
         if dropped {
             self.fault(Fault::WriteNotAcknowledged);
+        }
+    }
+
+    fn retain_writes(&mut self, stays: impl Fn(Kind) -> bool) {
+        for _ in 0..self.writes.len() {
+            if let Some(queued) = self.writes.pop_front()
+                && stays(queued.kind)
+            {
+                let _ = self.writes.push_back(queued);
+            }
         }
     }
 

@@ -1,5 +1,8 @@
 //! The ways of the NM17x on the bus.
 
+use canopen::lss::{
+    self, Addressing, BitRate, Identification, RequestLength, Selection, Unconfigured,
+};
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, PdoChanges,
     PdoRules, ReceiveErrors, Settings, Trigger,
@@ -25,7 +28,7 @@ pub(crate) static SETTINGS: Settings = Settings {
     },
     block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
-    lss: None,
+    lss: Some(&LAYER_SETTINGS),
     abort_codes: AbortCodes {
         number_length: AbortCode::UNSUPPORTED_ACCESS,
         text_length: AbortCode::VALUE_RANGE,
@@ -35,4 +38,14 @@ pub(crate) static SETTINGS: Settings = Settings {
         value_range: AbortCode::VALUE_RANGE,
         not_stored: AbortCode::LOCAL_CONTROL,
     },
+};
+
+/// What NM17x devices do differently from CiA 305.
+static LAYER_SETTINGS: lss::Settings = lss::Settings {
+    request_length: RequestLength::AsNeeded,
+    selection: Selection::WhileWaitingOrConfiguring,
+    addressing: Addressing::ConfiguredOrOffered,
+    identification: Identification::Ignored,
+    unconfigured: Unconfigured::OutOfRange,
+    bit_rates: BitRate::ALL,
 };

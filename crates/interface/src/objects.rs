@@ -1,24 +1,43 @@
 //! How a master's access to an object reaches the controller that holds it (manual 3.7.1; decisions
 //!
 
-use canopen::{Application, ReadError, WriteError, Written};
+use canopen::{Application, Mapped, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
-use profiles::nm17x::{PRESET, RESET_FUNCTION};
+use profiles::nm17x::{
+    COMMANDS, DISPLAY_MESSAGE, JOG_COMMAND, OSCILLATION_COMMAND, PDO_SETPOINT_CORRECTION_SENT,
+    POSITIONING_COMMAND, PRESET, RESET_FUNCTION, START_DIMENSION_SETPOINT, START_DIRECT_SETPOINT,
+    START_SAW_IN_SETPOINT, START_STANDARD_SETPOINT,
+};
+use shared_proto::Urgency;
 
+use crate::interface::Received;
 use crate::link::{Kind, Link, QueueError};
+use crate::message::Message;
 use crate::record::Record;
 use crate::slots::Slots;
 
 /// Writes that make something happen at the moment they are executed.
 const ACTIONS: [ObjectId; 2] = [PRESET.id(), RESET_FUNCTION.id()];
 
+/// Writes that move the axis.
+const STARTS: [ObjectId; 7] = [
+    START_STANDARD_SETPOINT.id(),
+    START_DIMENSION_SETPOINT.id(),
+    START_DIRECT_SETPOINT.id(),
+    START_SAW_IN_SETPOINT.id(),
+    POSITIONING_COMMAND.id(),
+    OSCILLATION_COMMAND.id(),
+    JOG_COMMAND.id(),
+];
+
 /// The way to the holder of an object, for as long as one frame is handled.
 #[derive(Debug)]
 pub(crate) struct Objects<'a> {
-    link: &'a mut Link,
-    slots: &'a Slots,
-    known: Known,
-    outcome: Outcome,
+    pub(crate) link: &'a mut Link,
+    pub(crate) message: &'a mut Message,
+    pub(crate) slots: &'a Slots,
+    pub(crate) known: Known,
+    pub(crate) outcome: Outcome,
 }
 
 /// What is known of the application when a frame arrives.
@@ -37,18 +56,60 @@ pub(crate) enum Outcome {
     /// An object that is saved at once was written.
     Store(Record),
     /// A write is on its way to the application.
-    ApplicationWritten,
+    ApplicationWritten(Slot),
     /// Too many writes are.
     QueueFull,
+    /// A receive PDO arrived.
+    Received(Received),
 }
 
-impl<'a> Objects<'a> {
-    pub(crate) const fn new(link: &'a mut Link, slots: &'a Slots, known: Known) -> Self {
-        Self { link, slots, known, outcome: Outcome::Nothing }
+impl Objects<'_> {
+    fn write_application(
+        &mut self,
+        slot: Slot,
+        row: &Row,
+        raw: u32,
+    ) -> Result<Written, WriteError> {
+        if row.id == PRESET.id() && !self.known.scaling {
+            return Err(WriteError::Failed);
+        }
+        let queued = if row.id == POSITIONING_COMMAND.id() && raw == 0 {
+            self.stop()
+        } else {
+            let queued = self.link.write(row.id, raw, kind(row.id));
+            queued.inspect(|()| self.message.note_write())
+        };
+        self.note_queued(queued)?;
+        self.outcome = Outcome::ApplicationWritten(slot);
+        Ok(if COMMANDS.contains(&row.id) { Written::Ignored } else { Written::Taken })
     }
 
-    pub(crate) const fn outcome(&self) -> Outcome {
-        self.outcome
+    /// A stop does not wait for its turn (NM17x LINK-07).
+    fn stop(&mut self) -> Result<(), QueueError> {
+        self.link.check_room(0)?;
+        self.link.stop(Urgency::MotorStop);
+        self.message.end(self.link);
+        Ok(())
+    }
+
+    fn note_queued(&mut self, queued: Result<(), QueueError>) -> Result<(), WriteError> {
+        queued.map_err(|error| {
+            if error == QueueError::Full {
+                self.outcome = Outcome::QueueFull;
+            }
+            WriteError::Hardware
+        })
+    }
+}
+
+/// What a write to the application controller does.
+pub(crate) fn kind(id: ObjectId) -> Kind {
+    if STARTS.contains(&id) {
+        Kind::Start
+    } else if ACTIONS.contains(&id) {
+        Kind::Action
+    } else {
+        Kind::Value
     }
 }
 
@@ -62,26 +123,49 @@ impl Application for Objects<'_> {
         if known { Ok(()) } else { Err(ReadError::NoData) }
     }
 
-    fn write(&mut self, _slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
+    fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
+        self.message.text().filter(|_| row.id == DISPLAY_MESSAGE.id())
+    }
+
+    fn write(&mut self, slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
         match (row.owner, row.storage) {
-            (Owner::Application, _) if row.id == PRESET.id() && !self.known.scaling => {
-                return Err(WriteError::Failed);
-            }
-            (Owner::Application, _) => {
-                let kind = if ACTIONS.contains(&row.id) { Kind::Action } else { Kind::Value };
-                if let Err(error) = self.link.write(row.id, raw, kind) {
-                    if error == QueueError::Full {
-                        self.outcome = Outcome::QueueFull;
-                    }
-                    return Err(WriteError::Hardware);
-                }
-                self.outcome = Outcome::ApplicationWritten;
-            }
+            (Owner::Application, _) => return self.write_application(slot, row, raw),
             (Owner::Interface, Storage::AtOnce) => {
                 self.outcome = Outcome::Store(Record { key: row.id.key(), value: raw });
             }
             (Owner::Interface, Storage::Volatile | Storage::OnCommand) => {}
         }
-        Ok(Written::Taken)
+        self.message.end(self.link);
+        // What TxPDO2 returns follows the correction alone.
+        let ignored = row.id == PDO_SETPOINT_CORRECTION_SENT.id();
+        Ok(if ignored { Written::Ignored } else { Written::Taken })
+    }
+
+    fn receive(&mut self, number: u16, values: &Mapped<'_>) -> Written {
+        let mut fields = [[0; 4]; 4];
+        for (field, (_, raw)) in fields.iter_mut().zip(values.iter()) {
+            *field = raw.to_le_bytes();
+        }
+        let [first, second, third, fourth] = fields;
+        let low_word = |[a, b, ..]: [u8; 4]| u16::from_le_bytes([a, b]);
+        let [sub, ..] = third;
+        self.outcome = Outcome::Received(match number {
+            0 => Received::Broadcast {
+                object: low_word(second),
+                sub,
+                data: u32::from_le_bytes(fourth),
+            },
+            _ => Received::Setpoint {
+                setpoint: u32::from_le_bytes(first),
+                correction: low_word(second),
+                control: low_word(third),
+            },
+        });
+        Written::Taken
+    }
+
+    fn write_text(&mut self, _slot: Slot, _row: &Row, text: &[u8]) -> Result<(), WriteError> {
+        let queued = self.message.show(self.link, text);
+        self.note_queued(queued)
     }
 }

@@ -1,10 +1,10 @@
 use object_dictionary::{Dictionary, ObjectId, Slot};
 use profiles::nm17x::{
-    CORRECTION, CORRECTION_ENABLED, ERRORS, PDO_SETPOINT_CORRECTION_SENT, POSITION_VALUE, SCALING,
-    STATUS, STATUS_REGISTER,
+    BIT_RATE, CORRECTION, CORRECTION_ENABLED, ERRORS, NODE_ID, PDO_SETPOINT_CORRECTION_SENT,
+    POSITION_VALUE, SCALING, SERIAL_NUMBER, STATUS, STATUS_REGISTER,
 };
 
-/// Where the objects are that every frame or every cycle of the link needs: looked up once. `None`
+/// Where the objects are that this controller itself sets or needs: looked up once. `None`
 /// for those that a product does not have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slots {
@@ -16,6 +16,9 @@ pub(crate) struct Slots {
     pub(crate) correction: Option<Slot>,
     pub(crate) correction_enabled: Option<Slot>,
     pub(crate) correction_sent: Option<Slot>,
+    pub(crate) serial_number: Option<Slot>,
+    pub(crate) bit_rate: Option<Slot>,
+    pub(crate) node_id: Option<Slot>,
 }
 
 impl Slots {
@@ -30,6 +33,9 @@ impl Slots {
             correction: find(CORRECTION.id()),
             correction_enabled: find(CORRECTION_ENABLED.id()),
             correction_sent: find(PDO_SETPOINT_CORRECTION_SENT.id()),
+            serial_number: find(SERIAL_NUMBER.id()),
+            bit_rate: find(BIT_RATE.id()),
+            node_id: find(NODE_ID.id()),
         }
     }
 

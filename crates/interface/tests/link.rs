@@ -76,6 +76,7 @@ impl Script {
             ToInterface::Hello(hello) => brief(&hello),
             ToInterface::Process(process) => format!("process, ack {}", process.acknowledged),
             ToInterface::Snapshot { from, values } => format!("{} values at {from}", values.len()),
+            ToInterface::Touched { offer } => format!("touched during offer {offer}"),
         };
         self.note(&heard);
         self
@@ -93,6 +94,7 @@ impl Script {
                 Event::Process(_) => continue,
                 Event::Values(from, values) => format!("takes {} at {from}", values.len()),
                 Event::SnapshotComplete => "complete".into(),
+                Event::Touched(offer) => format!("offer {offer} touched"),
                 Event::Fault(fault) => format!("{fault:?}"),
             });
         }

@@ -27,12 +27,23 @@ pub struct Product {
     pub designation: &'static str,
     /// Object 0x1018:02.
     pub code: u16,
+    /// What it has besides display and shaft.
+    pub equipment: Equipment,
     /// Firmware version of both controllers in hundredths: 105 is V1.05.
     pub firmware: u16,
     /// All objects.
     pub dictionary: &'static Dictionary,
     /// Fingerprint of the dictionary.
     pub fingerprint: u32,
+}
+
+/// What a device has besides display and shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Equipment {
+    /// Nothing: it is adjusted by hand.
+    Nothing,
+    /// Two keys, two inputs and a motor.
+    KeysAndMotor,
 }
 
 const _: () = assert!(nm170::LEN <= OBJECTS_MAX);

@@ -1,7 +1,7 @@
 //! The objects that NM170, NM172 and NM174 have in common (manual, chapter 4.4).
 
 use object_dictionary::PdoMapping::{Receive, Transmit};
-use object_dictionary::{Object, Unit};
+use object_dictionary::{Object, ObjectId, Unit};
 
 use crate::cia301::{self, highest, mapped, number};
 pub use crate::cia301::{
@@ -528,3 +528,89 @@ pub const PRESET: Object<i32> =
 /// Actual value without the correction.
 pub const POSITION_VALUE: Object<i32> =
     number(0x6004, 0, "Position value (actual value)").mappable(Transmit).unit(Unit::HundredthMm);
+
+/// Objects that read a state of the device, whatever was written to them last.
+pub const COMMANDS: [ObjectId; 4] =
+    [CLAMP.id(), POSITIONING_COMMAND.id(), OSCILLATION_COMMAND.id(), JOG_COMMAND.id()];
+
+/// What only the two controllers say to each other: entries beside the object that they are about.
+pub mod between_controllers {
+    use object_dictionary::ObjectId;
+
+    use super::{DISPLAY_MESSAGE, NODE_ID};
+
+    /// The text of [`DISPLAY_MESSAGE`], four characters each, the first one in the lowest byte. The
+    /// last part shows it.
+    pub const MESSAGE_PARTS: [ObjectId; 3] =
+        [beside_message(1), beside_message(2), beside_message(3)];
+    /// Whatever is written ends the text.
+    pub const MESSAGE_END: ObjectId = beside_message(4);
+    /// The node-ID that is on offer in bits 7 to 0, or 0 for none; the number of the offer in bits
+    /// 15 to 8, or 0 when it is not to be taken any more.
+    pub const OFFER: ObjectId = ObjectId { index: NODE_ID.id().index, sub: 1 };
+
+    const fn beside_message(sub: u8) -> ObjectId {
+        ObjectId { index: DISPLAY_MESSAGE.id().index, sub }
+    }
+}
+
+/// Lists the objects of a product: those of every type, and its own, which lie between the setpoint
+/// and the bit rate.
+macro_rules! product {
+    ($($own:path),* $(,)?) => {
+        object_dictionary::product! {
+            pub
+            DEVICE_TYPE, ERROR_REGISTER, STATUS_REGISTER,
+            ERROR_COUNT, ERROR_1, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_6, ERROR_7, ERROR_8,
+            SYNC_COB_ID, DEVICE_NAME, HARDWARE_VERSION, SOFTWARE_VERSION,
+            STORE, STORE_ALL, STORE_COMMUNICATION, RESTORE, RESTORE_ALL, RESTORE_COMMUNICATION,
+            EMERGENCY_COB_ID, CONSUMER_HEARTBEAT, CONSUMER_HEARTBEAT_TIME, PRODUCER_HEARTBEAT_TIME,
+            IDENTITY, VENDOR_ID, PRODUCT_CODE, REVISION_NUMBER, SERIAL_NUMBER,
+            ERROR_BEHAVIOUR, ERROR_BEHAVIOUR_COMMUNICATION, ERROR_BEHAVIOUR_MANUFACTURER,
+            RPDO1, RPDO1_COB_ID, RPDO1_TRANSMISSION_TYPE, RPDO2, RPDO2_COB_ID, RPDO2_TRANSMISSION_TYPE,
+            RPDO1_MAPPING, RPDO1_MAPPED_CONTROL, RPDO1_MAPPED_OBJECT, RPDO1_MAPPED_SUB_INDEX,
+            RPDO1_MAPPED_DATA,
+            RPDO2_MAPPING, RPDO2_MAPPED_SETPOINT, RPDO2_MAPPED_CORRECTION, RPDO2_MAPPED_CONTROL,
+            TPDO1, TPDO1_COB_ID, TPDO1_TRANSMISSION_TYPE, TPDO1_INHIBIT_TIME, TPDO1_EVENT_TIMER,
+            TPDO2, TPDO2_COB_ID, TPDO2_TRANSMISSION_TYPE, TPDO2_INHIBIT_TIME, TPDO2_EVENT_TIMER,
+            TPDO1_MAPPING, TPDO1_MAPPED_POSITION, TPDO1_MAPPED_STATUS, TPDO1_MAPPED_ERRORS,
+            TPDO2_MAPPING, TPDO2_MAPPED_POSITION, TPDO2_MAPPED_CORRECTION, TPDO2_MAPPED_STATUS,
+            NMT_STARTUP,
+            GENERAL_SETTINGS, POSITIONING_DIRECTION, COUNTING_DIRECTION, ARROWS, ROUND_ACTUAL_VALUE,
+            ROTATE_DISPLAY, CORRECTION_ENABLED, HIDE_SETPOINT, EXTERNAL_INPUTS,
+            LENGTH_UNIT, LOOP_LENGTH, TOLERANCE_WINDOW, SCALING,
+            SPECIAL_PARAMETERS, FILTER_WIDTH, FILTER_COUNT, HIDE_LAST_DIGIT,
+            MSP_DATA, MSP_FIRMWARE_VERSION, DEVICE_TYPE_MSP,
+            DISPLAY_MESSAGE, SHOW_NODE_ID, CORRECTION, RESET_FUNCTION,
+            SETPOINT, STANDARD_SETPOINT,
+            $($own,)*
+            BIT_RATE, NODE_ID,
+            BROADCAST, BROADCAST_CONTROL, BROADCAST_OBJECT, BROADCAST_SUB_INDEX, BROADCAST_DATA,
+            PDO_SETPOINT, PDO_SETPOINT_SETPOINT, PDO_SETPOINT_CORRECTION, PDO_SETPOINT_CONTROL,
+            PDO_SETPOINT_CORRECTION_SENT,
+            PRESET, POSITION_VALUE
+        }
+    };
+}
+pub(crate) use product;
+
+/// Lists the objects of a product with a motor, and those it has besides.
+macro_rules! product_with_motor {
+    ($($own:path),* $(,)?) => {
+        $crate::nm17x::product! {
+            START_STANDARD_SETPOINT, DIMENSION_SETPOINT, START_DIMENSION_SETPOINT, START_DIRECT_SETPOINT,
+            SAW_IN_SETPOINT, START_SAW_IN_SETPOINT, SAW_IN_SPEED,
+            MOTOR_SETTINGS, KEY_ASSIGNMENT, MOTOR_DIRECTION, JOG_ENABLE, GROUP,
+            MOTOR_EXTENDED_SETTINGS, COLLISION_OFF, DYNAMIC_PRE_CUTOFF, INPUT_MODE, KEY_MODE,
+            SPEED_POINTS, SLOW_POINT, CREEP_POINT, SWITCH_OFF_POINT,
+            END_POSITIONS, END_POSITION_MIN, END_POSITION_MAX,
+            COLLISION_LIMITS, COLLISION_LIMIT_MIN, COLLISION_LIMIT_MAX,
+            SPECIAL_SETPOINTS, SETPOINT_D1, SETPOINT_D2, SETPOINT_D3, JOG_STEP,
+            MOTOR_TIMES, LOOP_DWELL_TIME, LAG_TIME, CLAMPING, CLAMP,
+            DRIVE_COMMAND, POSITIONING_COMMAND, OSCILLATION_COMMAND, JOG_COMMAND,
+            STATUS_AND_ERRORS, STATUS, ERRORS,
+            $($own),*
+        }
+    };
+}
+pub(crate) use product_with_motor;

@@ -59,6 +59,14 @@ impl Outgoing<'_> {
         self.board.memory.keep(key, number)
     }
 
+    pub(crate) fn keep_set(&mut self, set: impl IntoIterator<Item = (u32, u32)>) -> Kept {
+        self.board.memory.keep_set(set)
+    }
+
+    pub(crate) fn forget(&mut self) -> Kept {
+        self.board.memory.forget()
+    }
+
     /// The controller restarts once the other one has been sent everything.
     pub(crate) fn restart(&mut self) {
         let at = self.line.sent_at().max(self.now_ns);

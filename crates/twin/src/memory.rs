@@ -28,7 +28,7 @@ impl Kept {
     }
 }
 
-/// Numbers by their keys. One flash operation stores one of them.
+/// Numbers by their keys. One flash operation stores one of them, or a set.
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     numbers: BTreeMap<u32, u32>,
@@ -64,7 +64,24 @@ impl Memory {
 
     /// Stores `number` under `key`, unless it is stored already.
     pub(crate) fn keep(&mut self, key: u32, number: u32) -> Kept {
-        if self.numbers.get(&key) == Some(&number) {
+        self.keep_set([(key, number)])
+    }
+
+    /// Stores all of `set`, or nothing when the supply fails. Nothing happens when all of it is
+    /// stored already.
+    pub(crate) fn keep_set(&mut self, set: impl IntoIterator<Item = (u32, u32)>) -> Kept {
+        let mut numbers = self.numbers.clone();
+        numbers.extend(set);
+        self.replace(numbers)
+    }
+
+    /// Forgets everything, or nothing when the supply fails.
+    pub(crate) fn forget(&mut self) -> Kept {
+        self.replace(BTreeMap::new())
+    }
+
+    fn replace(&mut self, numbers: BTreeMap<u32, u32>) -> Kept {
+        if numbers == self.numbers {
             return Kept::Yes;
         }
         self.operations += 1;
@@ -72,7 +89,7 @@ impl Memory {
         if self.operations_to_cut.take_if(|left| *left == 0).is_some() {
             return Kept::SupplyLost;
         }
-        self.numbers.insert(key, number);
+        self.numbers = numbers;
         Kept::Yes
     }
 
@@ -119,5 +136,12 @@ mod tests {
         assert!(memory.numbers().eq([(1, 10)]));
         assert_eq!(memory.keep(1, 12), Kept::Yes);
         assert_eq!(memory.operations(), 3);
+        memory.cut_at(1);
+        assert_eq!(memory.keep_set([(2, 20), (3, 30)]), Kept::SupplyLost);
+        assert!(memory.numbers().eq([(1, 12)]));
+        assert_eq!(memory.keep_set([(2, 20), (3, 30)]), Kept::Yes);
+        assert_eq!(memory.numbers().count(), 3);
+        assert_eq!(memory.forget(), Kept::Yes);
+        assert_eq!((memory.numbers().count(), memory.operations()), (0, 6));
     }
 }

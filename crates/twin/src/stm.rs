@@ -31,10 +31,8 @@ impl Stm {
         board: &Board,
     ) -> Self {
         let boot = Boot { serial_number, nonce: board.nonce().get() };
-        let mut interface = Box::new(Interface::new(board.time(now_ns), product, boot));
-        for (key, number) in board.memory.numbers() {
-            interface.restore(key, number);
-        }
+        let now = board.time(now_ns);
+        let interface = Box::new(Interface::new(now, product, boot, board.memory.numbers()));
         let mut stm =
             Self { interface, port: CanPort::new(), bus: BusState::Active, look_again_ns: None };
         stm.configure_bus(now_ns);
@@ -117,6 +115,15 @@ impl Stm {
         while let Some(event) = self.interface.poll_event() {
             match event {
                 Event::Store(record) => kept = kept.and(out.keep(record.key, record.value)),
+                Event::StoreSet => {
+                    let set = self.interface.set_to_store();
+                    kept = kept.and(out.keep_set(set.map(|record| (record.key, record.value))));
+                }
+                Event::Forget => kept = kept.and(out.forget()),
+                Event::Confirm(number) => {
+                    let now = out.board.time(out.now_ns);
+                    self.interface.handle_saved(now, number, Ok(()));
+                }
                 Event::FiltersChanged => self.configure_bus(out.now_ns),
                 Event::Restart => out.restart(),
             }

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 
 use application::{Application, Boot, Inputs, STEP};
-use object_dictionary::{Number, Object};
+use object_dictionary::{Number, Object, ObjectId};
+use profiles::nm17x::between_controllers::MESSAGE_PARTS;
 use profiles::nm172;
 use shared_proto::{
     Encoded, Hello, NodeState, PROTOCOL, ProcessData, Receiver, Supervision, ToApplication,
@@ -129,8 +130,20 @@ impl Rig {
 
     /// A write with the next number, in the gap behind the next process data.
     pub(crate) fn write<T: Number>(&mut self, object: &Object<T>, value: T) {
+        self.write_to(object.id(), value.to_raw());
+    }
+
+    /// A text for the display.
+    pub(crate) fn show(&mut self, text: &[u8; 12]) {
+        for (id, part) in MESSAGE_PARTS.into_iter().zip(text.as_chunks().0) {
+            self.write_to(id, u32::from_le_bytes(*part));
+        }
+    }
+
+    pub(crate) fn write_to(&mut self, id: ObjectId, value: u32) {
         self.sequence = if self.sequence == u8::MAX { 1 } else { self.sequence + 1 };
-        self.say(&ToApplication::Write(SUPERVISION, write(self.sequence, object, value)));
+        let write = Write { sequence: self.sequence, index: id.index, sub: id.sub, value };
+        self.say(&ToApplication::Write(SUPERVISION, write));
         self.steps(CYCLE);
         assert_eq!(self.process().acknowledged, self.sequence);
     }
@@ -139,7 +152,9 @@ impl Rig {
     pub(crate) fn process(&self) -> ProcessData {
         let last = |message: &ToInterface| match message {
             ToInterface::Process(process) => Some(*process),
-            ToInterface::Hello(_) | ToInterface::Snapshot { .. } => None,
+            ToInterface::Hello(_) | ToInterface::Snapshot { .. } | ToInterface::Touched { .. } => {
+                None
+            }
         };
         self.heard.iter().rev().find_map(last).expect("no process data yet")
     }
@@ -210,5 +225,6 @@ fn describe(message: &ToInterface) -> String {
         ToInterface::Snapshot { from, values } => {
             format!("values from {from}: {}", values.len())
         }
+        ToInterface::Touched { offer } => format!("touched during offer {offer}"),
     }
 }

@@ -1,197 +1,27 @@
-//! The NM172 as masters see it, with a partner on the link that has the values of delivery.
+//! The devices of the family as masters see them.
 
-use std::fmt::Write as _;
+mod display;
+mod lss;
+mod pdo;
+mod script;
 
-use canopen::{CanId, Frame};
-use expect_test::{Expect, expect};
-use interface::{Boot, BusState, Event, Interface, Record};
+use expect_test::expect;
+use interface::{BusState, Event, Record};
 use object_dictionary::Slot;
 use profiles::nm172::PRODUCT;
-use shared_proto::limits::SNAPSHOT_VALUES_MAX;
-use shared_proto::{Hello, PROTOCOL, ProcessData, Receiver, ToApplication, ToInterface, encode};
-use units::{Duration, Instant};
-
-const CYCLE: Duration = Duration::from_millis(10);
-
-/// The application controller as the link shows it: greets, has its values at their defaults,
-/// acknowledges.
-struct Partner {
-    receiver: Receiver<ToApplication>,
-    hello: Hello,
-    process: ProcessData,
-    answers: Vec<ToInterface>,
-    connected: bool,
-}
-
-impl Partner {
-    fn hear(&mut self, frame: &[u8]) -> Option<String> {
-        let message = frame.iter().filter_map(|&byte| self.receiver.push(byte)).last()?;
-        match message {
-            ToApplication::Hello(hello) => {
-                self.hello.heard = hello.nonce;
-                self.hello.in_service = hello.heard == self.hello.nonce;
-                self.answers.push(ToInterface::Hello(self.hello));
-                None
-            }
-            ToApplication::Idle(_) => None,
-            ToApplication::Write(_, write) => {
-                self.process.acknowledged = write.sequence;
-                Some(format!("write {:04x}:{} = {}", write.index, write.sub, write.value))
-            }
-            ToApplication::RequestSnapshot { from, .. } => {
-                let rows = PRODUCT.dictionary.rows().iter().skip(from.into());
-                let values = rows.take(SNAPSHOT_VALUES_MAX).map(|row| row.initial(127)).collect();
-                self.answers.push(ToInterface::Snapshot { from, values });
-                None
-            }
-            ToApplication::Urgent(_, urgent) => {
-                self.process.urgent_acknowledged = urgent.number;
-                Some(format!("urgent {:?}", urgent.urgency))
-            }
-        }
-    }
-}
-
-struct Script {
-    now: Instant,
-    interface: Interface,
-    partner: Partner,
-    transcript: String,
-}
-
-impl Script {
-    /// Just powered.
-    fn new() -> Self {
-        let boot = Boot { serial_number: 0x4D52_F567, nonce: 1 };
-        let hello = Hello {
-            protocol: PROTOCOL,
-            product: PRODUCT.code,
-            firmware: PRODUCT.firmware,
-            dictionary: PRODUCT.fingerprint,
-            nonce: 2,
-            heard: 0,
-            in_service: false,
-        };
-        Self {
-            now: Instant::ZERO,
-            interface: Interface::new(Instant::ZERO, &PRODUCT, boot),
-            partner: Partner {
-                receiver: Receiver::default(),
-                hello,
-                process: ProcessData { position_hundredths_mm: 500_000, ..Default::default() },
-                answers: Vec::new(),
-                connected: true,
-            },
-            transcript: String::new(),
-        }
-    }
-
-    /// Booted, half a second ago.
-    fn booted() -> Self {
-        let mut script = Self::new();
-        script.run(500);
-        script.transcript.clear();
-        script
-    }
-
-    /// Lets time pass. The partner speaks every 10 ms.
-    fn run(&mut self, ms: u64) -> &mut Self {
-        let end = self.now + Duration::from_millis(ms);
-        let mut cycle_at = self.now + CYCLE;
-        loop {
-            let due = self.interface.poll_timeout().unwrap_or(end).max(self.now);
-            let next = due.min(cycle_at).min(end);
-            self.now = next;
-            if due == next {
-                self.interface.handle_timeout(self.now);
-                self.drain();
-            }
-            if cycle_at == next {
-                cycle_at = cycle_at + CYCLE;
-                self.partner_speaks();
-            }
-            if next == end {
-                return self;
-            }
-        }
-    }
-
-    fn partner_speaks(&mut self) {
-        if !self.partner.connected {
-            return;
-        }
-        let regular = if self.partner.hello.in_service {
-            ToInterface::Process(self.partner.process)
-        } else {
-            ToInterface::Hello(self.partner.hello)
-        };
-        self.partner.answers.push(regular);
-        while let Some(message) = self.partner.answers.pop() {
-            self.interface.handle_link(self.now, &encode(&message));
-            self.drain();
-        }
-    }
-
-    /// A frame from a master: `id#data` in hexadecimal.
-    fn send(&mut self, frame: &str) -> &mut Self {
-        self.note("<-", frame);
-        let (id, data) = frame.split_once('#').expect("id#data");
-        let bytes: Vec<u8> = data
-            .split_whitespace()
-            .map(|byte| u8::from_str_radix(byte, 16).expect("two hex digits"))
-            .collect();
-        let id = CanId::new(u16::from_str_radix(id, 16).expect("hexadecimal")).expect("11 bits");
-        self.interface.handle_frame(self.now, &Frame::new(id, &bytes).expect("up to 8 bytes"));
-        self.drain();
-        self
-    }
-
-    fn bus(&mut self, state: BusState) -> &mut Self {
-        self.note("bus", &format!("{state:?}"));
-        self.interface.handle_bus(self.now, state);
-        self.drain();
-        self
-    }
-
-    fn drain(&mut self) {
-        while let Some(frame) = self.interface.take_transmit() {
-            let data: Vec<String> = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
-            self.note("->", &format!("{:03X}#{}", frame.id().get(), data.join(" ")));
-        }
-        while let Some(frame) = self.interface.poll_link() {
-            if self.partner.connected
-                && let Some(order) = self.partner.hear(&frame)
-            {
-                self.note("MSP", &order);
-            }
-        }
-        while let Some(event) = self.interface.poll_event() {
-            self.note("do", &format!("{event:X?}"));
-        }
-    }
-
-    fn note(&mut self, what: &str, detail: &str) {
-        let ms = self.now.as_micros() / 1_000;
-        writeln!(self.transcript, "{ms:<5} {what:3} {detail}").expect("a string takes everything");
-    }
-
-    #[track_caller]
-    fn expect(&self, expected: Expect) {
-        expected.assert_eq(&self.transcript);
-    }
-}
+use script::Script;
 
 /// NM17x BOOT-03, NMT-03, V-BOOTUP: boot-up behind the application's values, then Pre-operational.
 #[test]
 fn a_device_boots() {
     let mut script = Script::new();
-    script.run(200).send("67F#40 00 10 00 00 00 00 00").send("67F#40 18 10 04 00 00 00 00");
+    script.run(400).send("67F#40 00 10 00 00 00 00 00").send("67F#40 18 10 04 00 00 00 00");
     script.expect(expect![[r#"
-        140   ->  77F#00
-        200   <-  67F#40 00 10 00 00 00 00 00
-        200   ->  5FF#43 00 10 00 96 01 02 00
-        200   <-  67F#40 18 10 04 00 00 00 00
-        200   ->  5FF#43 18 10 04 67 F5 52 4D
+        340   ->  77F#00
+        400   <-  67F#40 00 10 00 00 00 00 00
+        400   ->  5FF#43 00 10 00 96 01 02 00
+        400   <-  67F#40 18 10 04 00 00 00 00
+        400   ->  5FF#43 18 10 04 67 F5 52 4D
     "#]]);
 }
 
@@ -296,7 +126,7 @@ fn the_link_is_lost_and_found() {
     script.send("000#01 7F").partner.connected = false;
     script.run(100).send("67F#40 04 60 00 00 00 00 00").send("67F#23 03 20 00 05 00 00 00");
     script.send("67F#40 03 20 00 00 00 00 00").partner.connected = true;
-    script.run(200).send("67F#40 04 60 00 00 00 00 00");
+    script.run(400).send("67F#40 04 60 00 00 00 00 00");
     script.expect(expect![[r#"
         500   <-  000#01 7F
         500   ->  2FF#20 A1 07 00 00 00 00 00
@@ -308,9 +138,9 @@ fn the_link_is_lost_and_found() {
         600   ->  5FF#80 03 20 00 00 00 06 06
         600   <-  67F#40 03 20 00 00 00 00 00
         600   ->  5FF#43 03 20 00 05 00 00 00
-        740   ->  0FF#00 00 00 00 00 00 00 00
-        800   <-  67F#40 04 60 00 00 00 00 00
-        800   ->  5FF#43 04 60 00 20 A1 07 00
+        940   ->  0FF#00 00 00 00 00 00 00 00
+        1000  <-  67F#40 04 60 00 00 00 00 00
+        1000  ->  5FF#43 04 60 00 20 A1 07 00
     "#]]);
 }
 
@@ -382,17 +212,15 @@ fn a_new_node_id_acts_after_a_restart() {
         500   do  Restart
     "#]]);
 
-    let mut restarted = Script::new();
-    restarted.interface.restore(0x21_0100, 0x25);
-    restarted.interface.restore(0x21_0000, 8);
+    let mut restarted = Script::powered(&PRODUCT, &[(0x21_0100, 0x25), (0x21_0000, 8)]);
     assert_eq!(restarted.interface.bit_rate(), 1_000_000);
-    restarted.run(200).send("625#40 01 21 00 00 00 00 00").send("625#40 01 18 01 00 00 00 00");
+    restarted.run(400).send("625#40 01 21 00 00 00 00 00").send("625#40 01 18 01 00 00 00 00");
     restarted.expect(expect![[r#"
-        140   ->  725#00
-        200   <-  625#40 01 21 00 00 00 00 00
-        200   ->  5A5#4F 01 21 00 25 00 00 00
-        200   <-  625#40 01 18 01 00 00 00 00
-        200   ->  5A5#43 01 18 01 A5 02 00 40
+        340   ->  725#00
+        400   <-  625#40 01 21 00 00 00 00 00
+        400   ->  5A5#4F 01 21 00 25 00 00 00
+        400   <-  625#40 01 18 01 00 00 00 00
+        400   ->  5A5#43 01 18 01 A5 02 00 40
     "#]]);
 }
 
@@ -468,14 +296,12 @@ fn the_error_register_outlives_a_restart_of_the_communication() {
 /// Numbers that belong to nobody, or are not permitted, do no harm.
 #[test]
 fn only_own_and_permitted_numbers_are_restored() {
-    let mut script = Script::new();
-    for (key, value) in [(0x21_0100, 0), (0x21_0100, 128), (0x21_0000, 9), (0x20_0300, 7), (7, 7)] {
-        script.interface.restore(key, value);
-    }
+    let stored = [(0x21_0100, 0), (0x21_0100, 128), (0x21_0000, 9), (0x20_0300, 7), (7, 7)];
+    let mut script = Script::powered(&PRODUCT, &stored);
     assert_eq!(script.interface.bit_rate(), 125_000);
-    script.run(200);
+    script.run(400);
     script.expect(expect![[r#"
-        140   ->  77F#00
+        340   ->  77F#00
     "#]]);
     let record = Event::Store(Record { key: 0x21_0100, value: 3 });
     script.send("67F#2F 01 21 00 03 00 00 00");
