@@ -7,6 +7,7 @@ use core::cell::UnsafeCell;
 use core::future::poll_fn;
 use core::task::{Poll, Waker};
 
+use canopen::BusState;
 use embassy_executor::InterruptExecutor;
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::InterruptExt;
@@ -15,7 +16,7 @@ use embassy_sync::channel::Channel;
 use embassy_sync::waitqueue::AtomicWaker;
 use firmware_board::{Beat, NumberSet, Outbox, Outcome, RecordQueue, priority};
 use heapless::spsc::Consumer;
-use interface::{BusState, Event, Interface, NotSaved, Record};
+use interface::{Event, Interface, NotSaved, Record};
 use units::{Duration, Instant};
 
 use crate::can::{ErrorState, Fifo, Port, Received};

@@ -44,7 +44,7 @@ impl Stack for Spindle {
     }
 
     fn tick(&mut self, bus: &Bus) {
-        self.node.handle_timeout(NOW);
+        self.node.handle_timeout(NOW, &mut self.device);
         self.drain(bus);
     }
 

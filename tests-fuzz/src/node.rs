@@ -368,7 +368,7 @@ impl<const LEN: usize> Watch<LEN> {
         while let Some(due_at) = self.node.poll_timeout().filter(|&due_at| due_at <= until) {
             self.now = self.now.max(due_at);
             self.sdo_owed += 1;
-            self.node.handle_timeout(self.now);
+            self.node.handle_timeout(self.now, &mut self.mood);
             self.drain();
             if self.bus == Bus::Free {
                 self.sdo_owed = 0;
@@ -397,7 +397,7 @@ impl<const LEN: usize> Watch<LEN> {
                     assert!(self.monitors(producer.get()), "{producer:?}");
                 }
                 Event::GuardingLost => lost = true,
-                Event::GuardingRecovered => {}
+                Event::GuardingRecovered | Event::BusStateChanged { .. } | Event::Time(_) => {}
                 Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
                 Event::Lss(event) => self.handle_lss(event),

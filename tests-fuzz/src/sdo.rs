@@ -225,7 +225,7 @@ impl Talk {
 
     fn wait(&mut self, span: Duration) {
         self.now = self.now + span;
-        self.node.handle_timeout(self.now);
+        self.node.handle_timeout(self.now, &mut self.product);
         let expected = self.model.wait(self.now);
         self.compare(&expected, format_args!("the time"));
     }

@@ -59,6 +59,7 @@ impl CobId {
     const INVALID: u32 = 1 << 31;
     const GENERATE: u32 = 1 << 30;
     const NO_REMOTE: u32 = 1 << 30;
+    const CONSUME: u32 = 1 << 31;
     const EXTENDED: u32 = 1 << 29;
 
     pub(crate) const fn from_raw(raw: u32) -> Self {
@@ -101,10 +102,24 @@ impl CobId {
         self.0 & (Self::EXTENDED | Self::GENERATE) == 0 && !is_restricted(self.can_id())
     }
 
-    /// Whether a SYNC consumer may have it: eleven bits, not asked to produce, and not one of the
-    /// restricted identifiers.
-    pub(crate) fn suits_sync_consumer(self) -> bool {
-        self.0 & (Self::EXTENDED | Self::GENERATE) == 0 && !is_restricted(self.can_id())
+    /// Whether the device produces it: SYNC or TIME.
+    pub(crate) const fn generates(self) -> bool {
+        self.0 & Self::GENERATE != 0
+    }
+
+    /// The identifier of TIME, if the device consumes it (bit 31).
+    pub(crate) const fn consumed(self) -> Option<CanId> {
+        if self.0 & Self::CONSUME != 0 { Some(self.can_id()) } else { None }
+    }
+
+    /// Whether a TIME consumer may have it: one that SYNC may have, too, and not asked to produce.
+    pub(crate) fn suits_consumer(self) -> bool {
+        self.suits_sync() && !self.generates()
+    }
+
+    /// Whether SYNC may have it: eleven bits, and not one of the restricted identifiers.
+    pub(crate) fn suits_sync(self) -> bool {
+        self.has_eleven_bits() && !is_restricted(self.can_id())
     }
 }
 
@@ -141,8 +156,8 @@ mod tests {
         for (raw, pdo, sync) in [
             (0x0000_0080, true, true),
             (0x8000_0080, true, true),
-            (0x4000_0181, true, false),
-            (0xC000_057F, true, false),
+            (0x4000_0181, true, true),
+            (0xC000_057F, true, true),
             (0x2000_0181, false, false),
             (0x0000_0000, false, false),
             (0x8000_0000, true, false),
@@ -154,7 +169,7 @@ mod tests {
             (0x0000_07E4, false, false),
         ] {
             let cob_id = CobId::from_raw(raw);
-            assert_eq!((cob_id.suits_pdo(), cob_id.suits_sync_consumer()), (pdo, sync), "{raw:#x}");
+            assert_eq!((cob_id.suits_pdo(), cob_id.suits_sync()), (pdo, sync), "{raw:#x}");
         }
     }
 }

@@ -8,10 +8,11 @@ pub struct CanId(u16);
 /// A CAN frame with an 11-bit identifier. Frames with 29-bit identifiers never reach a device of
 /// this stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(4))]
 pub struct Frame {
     id: CanId,
-    remote: bool,
     len: u8,
+    remote: bool,
     data: [u8; DATA_MAX],
 }
 
@@ -59,6 +60,11 @@ impl Frame {
     #[must_use]
     pub const fn full(id: CanId, data: [u8; DATA_MAX]) -> Self {
         Self { id, remote: false, len: 8, data }
+    }
+
+    /// A data frame without data.
+    pub(crate) const fn empty(id: CanId) -> Self {
+        Self { id, remote: false, len: 0, data: [0; DATA_MAX] }
     }
 
     /// A data frame of one byte.

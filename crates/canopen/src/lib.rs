@@ -41,6 +41,7 @@
 
 mod acceptance;
 mod application;
+mod bus;
 mod cob_id;
 mod deadline;
 mod emcy;
@@ -55,9 +56,11 @@ mod pdo;
 mod sdo;
 mod settings;
 mod sync;
+mod time;
 
 pub use acceptance::Accepted;
 pub use application::{Application, ReadError, WriteError, Written};
+pub use bus::BusState;
 pub use cob_id::NodeId;
 pub use frame::{CanId, DATA_MAX, Frame};
 pub use nmt::State;
@@ -66,6 +69,8 @@ pub use outbox::TRANSMIT_MAX;
 pub use pdo::Mapped;
 pub use sdo::AbortCode;
 pub use settings::{
-    AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, PdoChanges,
-    PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, SyncDivision, Trigger,
+    AbortCodes, AdditionalInformation, BlockTransfer, BusOff, BusRules, Emergency, ErrorBehaviour,
+    Expedited, PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings,
+    SyncDivision, Trigger,
 };
+pub use time::TimeOfDay;

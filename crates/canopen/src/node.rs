@@ -4,6 +4,7 @@ use units::Instant;
 
 use crate::acceptance::{Accepted, Screen};
 use crate::application::Application;
+use crate::bus::BusState;
 use crate::cob_id::{self, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::emcy;
@@ -15,17 +16,17 @@ use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Objects};
-use crate::settings::{Emergency, Settings};
-use crate::sync;
+use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
+use crate::sync::{self, Sync};
+use crate::time::{self, TimeOfDay};
 
 /// Events that may wait for [`Node::poll_event`].
 const EVENTS_MAX: usize = 16;
-/// The most that one call brings about: all producers lost, what follows from that, and all receive
-/// PDOs overdue.
-const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + RPDO_MAX;
+/// The most that one call brings about: all producers and the master lost, what follows from that,
+/// and all receive PDOs overdue.
+const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + RPDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
-const SYNC_COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
 const IDENTITY: u16 = 0x1018;
@@ -64,15 +65,19 @@ pub struct Node<const LEN: usize> {
     monitored: heartbeat::Consumers,
     /// The error register as far as the device sets it.
     device_errors: u8,
-    sync: Option<sync::Consumer>,
+    bus: BusState,
+    sync: Option<Sync>,
+    /// The identifier of TIME, if it is consumed.
+    time: Option<CanId>,
     emergencies: emcy::Producer,
     sdo: sdo::Server,
     lss: Option<lss::Slave>,
     rpdos: Rpdos,
     tpdos: Tpdos,
     outbox: Outbox,
-    overflow: Overflow,
     screen: Screen,
+    /// Nothing is due before.
+    wake_at: Deadline,
     filters_changed: bool,
     events: Deque<Event, EVENTS_MAX>,
 }
@@ -106,6 +111,15 @@ pub enum Event {
     GuardingLost,
     /// The master that was missing is there again.
     GuardingRecovered,
+    /// The CAN controller's standing on the bus changed. What 0x1029 says has happened.
+    BusStateChanged {
+        /// Before.
+        from: BusState,
+        /// Now.
+        to: BusState,
+    },
+    /// The network tells the time.
+    Time(TimeOfDay),
     /// Layer setting services ask for something. After [`lss::Event::ActivateBitTiming`] the node
     /// is silent and deaf.
     Lss(lss::Event),
@@ -122,13 +136,6 @@ pub enum Event {
         /// All since the node was built.
         lost: u32,
     },
-}
-
-/// An overflow is reported once, until all frames are gone: the report may itself send a frame.
-#[derive(Clone, Copy, Debug)]
-enum Overflow {
-    Reportable { lost_before: u32 },
-    Reported,
 }
 
 impl<const LEN: usize> Node<LEN> {
@@ -152,15 +159,17 @@ impl<const LEN: usize> Node<LEN> {
             guarded: Guarded::new(&values),
             monitored: heartbeat::Consumers::new(&values),
             device_errors: 0,
-            sync: value(SYNC_COB_ID).map(sync::Consumer::new),
+            bus: BusState::Active,
+            sync: Sync::new(&values),
+            time: time::consumed(&values),
             emergencies: emcy::Producer::new(node_id, &values),
             sdo: sdo::Server::default(),
             lss: None,
             rpdos: Rpdos::new(&values),
             tpdos: Tpdos::new(&values, &settings.pdo),
             outbox: Outbox::default(),
-            overflow: Overflow::Reportable { lost_before: 0 },
             screen: Screen::CLOSED,
+            wake_at: Deadline::NEVER,
             filters_changed: false,
             events: Deque::new(),
             values,
@@ -185,6 +194,7 @@ impl<const LEN: usize> Node<LEN> {
             self.enter(now, State::Operational);
         }
         self.transmit_due(now);
+        self.schedule();
     }
 
     /// Takes a received frame in.
@@ -201,7 +211,10 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// Does what is due. Harmless when nothing is.
-    pub fn handle_timeout(&mut self, now: Instant) {
+    pub fn handle_timeout(&mut self, now: Instant, application: &mut impl Application) {
+        if !self.wake_at.is_due(now) {
+            return;
+        }
         if let Some(response) = self.sdo.handle_timeout(now) {
             self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
         }
@@ -210,20 +223,20 @@ impl<const LEN: usize> Node<LEN> {
         }
         self.give_up_producers(now);
         self.give_up_master(now);
+        self.end_sync_window(now);
+        self.produce_sync(now, application);
         self.report_overdue(now);
         self.send_waiting_emergencies(now);
         self.transmit_due(now);
+        self.schedule();
     }
 
-    /// When [`Self::handle_timeout`] has something to do. `None` as long as nothing happens.
+    /// When to call [`Self::handle_timeout`]. Nothing is due before, and maybe nothing then. `None`
+    /// as long as nothing happens.
     #[must_use]
+    #[inline]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        let emergencies = self.emergencies.due_at().filter(|_| self.state.serves_sdo());
-        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at);
-        let deadlines = guarding.min(self.rpdos.due_at()).min(self.tpdos.due_at()).instant();
-        let control = [self.heartbeat.due_at(), self.monitored.due_at(), deadlines];
-        let due = [self.sdo.poll_timeout(), emergencies].into_iter().chain(control);
-        due.flatten().min()
+        self.wake_at.instant()
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -234,14 +247,11 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Takes the frame out that [`Self::peek_transmit`] shows.
     pub fn take_transmit(&mut self) -> Option<Frame> {
-        let frame = self.outbox.take();
-        if frame.is_some_and(|frame| frame.id() == Service::SdoResponse.id(self.node_id)) {
+        let frame = self.outbox.take()?;
+        if frame.id() == Service::SdoResponse.id(self.node_id) {
             self.send_segment();
         }
-        if self.outbox.peek().is_none() && matches!(self.overflow, Overflow::Reported) {
-            self.overflow = Overflow::Reportable { lost_before: self.outbox.lost() };
-        }
-        frame
+        Some(frame)
     }
 
     /// Takes a frame back that a more urgent one pushed out of its mailbox. It goes before those
@@ -260,6 +270,31 @@ impl<const LEN: usize> Node<LEN> {
     pub fn set_error_register(&mut self, now: Instant, errors: u8) {
         self.device_errors = errors;
         self.update_error_register(now);
+        self.schedule();
+    }
+
+    /// The CAN controller's standing on the bus changed: what the settings say is sent, and the error
+    /// register has bits 0 and 4 set as long as the controller is passive or off.
+    pub fn handle_bus(&mut self, now: Instant, to: BusState) {
+        let from = core::mem::replace(&mut self.bus, to);
+        if from == to {
+            return;
+        }
+        self.report(Event::BusStateChanged { from, to });
+        if to.is_impaired() {
+            self.update_error_register(now);
+        }
+        self.say(self.settings.bus.message(from, to));
+        if to == BusState::Off && self.settings.bus.off == BusOff::CommunicationError {
+            self.react(now, ErrorClass::Communication);
+        }
+        self.update_error_register(now);
+        self.schedule();
+    }
+
+    /// Frames were lost because they came faster than they were taken from the CAN controller.
+    pub fn handle_overrun(&mut self) {
+        self.say(self.settings.bus.overrun);
     }
 
     /// Records an error in the pre-defined error field and sends an emergency message with the
@@ -267,8 +302,9 @@ impl<const LEN: usize> Node<LEN> {
     /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
         if let Some(frame) = self.raise(error_code, manufacturer) {
-            self.outbox.push(frame);
+            self.outbox.push_once(frame);
         }
+        self.wake_by(self.emergency_due_at());
     }
 
     /// What happened, the oldest first.
@@ -279,14 +315,9 @@ impl<const LEN: usize> Node<LEN> {
         if core::mem::take(&mut self.filters_changed) {
             return Some(Event::FiltersChanged);
         }
-        let lost = self.outbox.lost();
-        match self.overflow {
-            Overflow::Reportable { lost_before } if lost_before != lost => {
-                self.overflow = Overflow::Reported;
-                Some(Event::TransmitOverflow { lost })
-            }
-            Overflow::Reportable { .. } | Overflow::Reported => None,
-        }
+        let lost = self.outbox.take_overflow()?;
+        self.say(self.settings.bus.overflow);
+        Some(Event::TransmitOverflow { lost })
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.
@@ -296,7 +327,8 @@ impl<const LEN: usize> Node<LEN> {
         let guarding = self.guarded.as_ref().map(|_| Service::ErrorControl.id(self.node_id));
         [
             Some(cob_id::NMT),
-            self.sync.map(sync::Consumer::id),
+            self.sync.as_ref().map(Sync::id),
+            self.time,
             Some(Service::SdoRequest.id(self.node_id)),
             self.settings.lss.map(|_| lss::REQUEST),
         ]
@@ -314,6 +346,7 @@ impl<const LEN: usize> Node<LEN> {
     pub fn trigger_tpdo(&mut self, now: Instant, number: u16) {
         self.tpdos.trigger(number);
         self.transmit_due(now);
+        self.wake_by(self.tpdos.due_at());
     }
 
     /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
@@ -346,6 +379,12 @@ impl<const LEN: usize> Node<LEN> {
         self.state
     }
 
+    /// The CAN controller's standing on the bus, as [`Self::handle_bus`] was told.
+    #[must_use]
+    pub const fn bus_state(&self) -> BusState {
+        self.bus
+    }
+
     /// The node-ID it was built with.
     #[must_use]
     pub const fn node_id(&self) -> NodeId {
@@ -376,14 +415,22 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_remote(now, id);
         } else if id == Service::SdoRequest.id(self.node_id) {
             self.handle_sdo(now, frame, application);
-        } else if self.sync.is_some_and(|sync| sync.recognises(frame)) {
-            self.handle_sync(now, application);
+        } else if let Some(sync) = self.sync.as_mut().filter(|sync| sync.id() == id) {
+            match sync.receive(frame) {
+                sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
+                sync::Received::Nothing => {}
+                sync::Received::UnexpectedLength => {
+                    self.say(self.settings.receive_errors.sync_length);
+                }
+            }
         } else if self.rpdos.listen_to(id) {
             self.handle_rpdo(now, frame, application);
         } else if id == cob_id::NMT {
             self.handle_nmt(now, frame);
         } else if Service::ErrorControl.has(id) {
             self.handle_heartbeat(now, frame);
+        } else if self.time == Some(id) {
+            self.handle_time(frame);
         } else if let Some(slave) = &mut self.lss {
             let reaction = slave.handle_frame(frame);
             self.follow(reaction);
@@ -395,6 +442,7 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_guarding(now);
         } else {
             self.tpdos.handle_remote(now, id, &self.values, &mut self.outbox);
+            self.wake_by(self.tpdos.due_at());
         }
     }
 
@@ -405,6 +453,8 @@ impl<const LEN: usize> Node<LEN> {
         };
         let request = guarded.handle(now);
         let answer = guarded.answer(self.state.heartbeat_byte());
+        let due_at = guarded.due_at();
+        self.wake_by(due_at);
         self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), answer));
         match request {
             guarding::Request::Recovered => {
@@ -421,6 +471,7 @@ impl<const LEN: usize> Node<LEN> {
                 self.enter(now, state);
                 self.send_waiting_emergencies(now);
                 self.transmit_due(now);
+                self.schedule();
             }
             Some(Command::ResetNode) => self.leave(Event::ResetNode),
             Some(Command::ResetCommunication) => self.leave(Event::ResetCommunication),
@@ -433,6 +484,7 @@ impl<const LEN: usize> Node<LEN> {
             return;
         }
         let Some(request) = self.sdo.parse(frame.data()) else { return };
+        let waited = self.sdo.poll_timeout().is_some();
         let mut objects = Objects::new(&mut self.values, application, self.settings);
         let response = self.sdo.handle(now, request, &mut objects);
         let changed = objects.changed();
@@ -440,9 +492,13 @@ impl<const LEN: usize> Node<LEN> {
             self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
         }
         self.send_segment();
+        match self.sdo.poll_timeout() {
+            None if waited => self.schedule(),
+            expires_at => self.wake_by(expires_at.into()),
+        }
         if let Some(slot) = changed {
             self.note_change(now, slot);
-            self.handle_timeout(now);
+            self.handle_timeout(now, application);
         }
     }
 
@@ -485,15 +541,55 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// What waited for the SYNC is taken over before PDOs go out with it.
-    fn handle_sync(&mut self, now: Instant, application: &mut impl Application) {
+    fn handle_sync(
+        &mut self,
+        now: Instant,
+        counter: Option<u8>,
+        application: &mut impl Application,
+    ) {
+        if self.state != State::Operational {
+            return;
+        }
         let Self { values, tpdos, rpdos, outbox, .. } = self;
         rpdos.handle_sync(&mut Target { values, tpdos, application });
-        tpdos.handle_sync(None, values, outbox);
-        self.transmit_due(now);
+        tpdos.handle_sync(counter, values, outbox);
+        tpdos.transmit_due(now, values, outbox);
+        let mut due_at = tpdos.due_at();
+        if let Some(sync) = &mut self.sync {
+            due_at = due_at.min(sync.open_window(now));
+        }
+        self.wake_by(due_at);
+    }
+
+    fn produce_sync(&mut self, now: Instant, application: &mut impl Application) {
+        if let Some((frame, counter)) = self.sync.as_mut().and_then(|sync| sync.take_due(now)) {
+            self.outbox.supersede(frame);
+            self.handle_sync(now, counter, application);
+        }
+    }
+
+    /// PDOs that did not go out in the window of their SYNC are late.
+    fn end_sync_window(&mut self, now: Instant) {
+        if self.sync.as_mut().is_some_and(|sync| sync.take_window_end(now)) {
+            let tpdos = &self.tpdos;
+            self.outbox.retain(|frame| !tpdos.send_with_sync(frame.id()));
+        }
+    }
+
+    fn handle_time(&mut self, frame: &Frame) {
+        if self.state.serves_sdo()
+            && let Some(time) = TimeOfDay::parse(frame)
+        {
+            self.report(Event::Time(time));
+        }
     }
 
     fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
         if self.state != State::Operational {
+            return;
+        }
+        let late = self.sync.as_ref().is_some_and(Sync::is_window_over);
+        if late && self.rpdos.wait_for_sync(frame.id()) {
             return;
         }
         let Self { values, tpdos, rpdos, settings, .. } = self;
@@ -501,6 +597,7 @@ impl<const LEN: usize> Node<LEN> {
         let error = rpdos.handle_frame(now, frame, &settings.receive_errors, target);
         self.say(error);
         self.transmit_due(now);
+        self.wake_by(self.rpdos.due_at().min(self.tpdos.due_at()));
     }
 
     fn report_overdue(&mut self, now: Instant) {
@@ -527,6 +624,7 @@ impl<const LEN: usize> Node<LEN> {
             }
             Heard::Nothing => {}
         }
+        self.wake_by(self.monitored.due_at().into());
     }
 
     /// Each producer that is missing is an event, a message and a reason to act.
@@ -549,16 +647,16 @@ impl<const LEN: usize> Node<LEN> {
         self.update_error_register(now);
         let message = self.raise(emcy::PARTNER_LOST, [0; 5]);
         self.react(now, ErrorClass::Communication);
-        if let Some(message) = message {
-            self.outbox.push(message);
+        if let Some(message) = message.filter(|_| self.state != State::Initialising) {
+            self.outbox.push_once(message);
         }
     }
 
     fn update_error_register(&mut self, now: Instant) {
         let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
         let master_lost = self.guarded.as_ref().is_some_and(Guarded::is_lost);
-        let lost = master_lost || self.monitored.is_any_lost();
-        let own = if lost { COMMUNICATION_ERROR } else { 0 };
+        let disturbed = master_lost || self.monitored.is_any_lost() || self.bus.is_impaired();
+        let own = if disturbed { COMMUNICATION_ERROR } else { 0 };
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
         self.set_value(now, slot, after);
         if before != 0 && after == 0 {
@@ -569,23 +667,28 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Does what 0x1029 says (CiA 301, section 7.5.2.32), in Operational only. Without an entry a
-    /// communication error ends Operational, and other errors change nothing.
+    /// Does what 0x1029 says (CiA 301, section 7.5.2.32). Without an entry a communication error
+    /// ends Operational, and other errors change nothing.
     fn react(&mut self, now: Instant, class: ErrorClass) {
         const TO_PRE_OPERATIONAL: u32 = 0;
         const NO_CHANGE: u32 = 1;
         const TO_STOPPED: u32 = 2;
-        if self.state != State::Operational {
-            return;
-        }
+        const RESET: u32 = 3;
+        let acts = match self.settings.error_behaviour {
+            ErrorBehaviour::InOperational => self.state == State::Operational,
+            ErrorBehaviour::InEveryState => self.state != State::Initialising,
+        };
         let (sub, absent) = match class {
             ErrorClass::Communication => (1, TO_PRE_OPERATIONAL),
             ErrorClass::Manufacturer => (2, NO_CHANGE),
         };
         let behaviour = self.values.dictionary().find(ObjectId { index: 0x1029, sub });
         match behaviour.map_or(absent, |slot| self.values.raw(slot)) {
-            TO_PRE_OPERATIONAL => self.enter(now, State::PreOperational),
-            TO_STOPPED => self.enter(now, State::Stopped),
+            TO_PRE_OPERATIONAL if self.state == State::Operational => {
+                self.enter(now, State::PreOperational);
+            }
+            TO_STOPPED if acts => self.enter(now, State::Stopped),
+            RESET if acts => self.leave(Event::ResetNode),
             _ => {}
         }
     }
@@ -613,6 +716,21 @@ impl<const LEN: usize> Node<LEN> {
                 self.outbox.retain(|frame| [error_control, lss::RESPONSE].contains(&frame.id()));
             }
         }
+        if let Some(sync) = &mut self.sync {
+            match (from, to) {
+                (
+                    State::Initialising | State::Stopped,
+                    State::PreOperational | State::Operational,
+                ) => {
+                    sync.start(now);
+                }
+                (_, State::Initialising | State::Stopped) => sync.stop(),
+                (
+                    State::PreOperational | State::Operational,
+                    State::PreOperational | State::Operational,
+                ) => {}
+            }
+        }
         self.report(Event::StateChanged { from, to });
     }
 
@@ -631,7 +749,11 @@ impl<const LEN: usize> Node<LEN> {
         if let Some(guarded) = &mut self.guarded {
             guarded.stop();
         }
+        if let Some(sync) = &mut self.sync {
+            sync.stop();
+        }
         self.screen = Screen::CLOSED;
+        self.wake_at = Deadline::NEVER;
         self.sdo.stop();
         self.rpdos.stop();
         self.tpdos.stop();
@@ -658,7 +780,7 @@ impl<const LEN: usize> Node<LEN> {
         while self.state.serves_sdo()
             && let Some(frame) = self.emergencies.take_due(now)
         {
-            self.outbox.push(frame);
+            self.outbox.push_once(frame);
         }
     }
 
@@ -670,10 +792,22 @@ impl<const LEN: usize> Node<LEN> {
     /// PDOs.
     fn note_change(&mut self, now: Instant, slot: Slot) {
         self.tpdos.note_change(slot);
-        let Some(row) = self.values.dictionary().row(slot) else { return };
+        self.wake_by(self.tpdos.due_at());
+        match self.values.dictionary().row(slot) {
+            Some(row) if row.id.index < 0x2000 => self.follow_parameter(now, row.id, slot),
+            Some(_) | None => {}
+        }
+    }
+
+    #[inline(never)]
+    fn follow_parameter(&mut self, now: Instant, object: ObjectId, slot: Slot) {
         let raw = self.values.raw(slot);
-        match row.id.index {
-            0x1005 => self.listen_to_sync(sync::Consumer::new(raw)),
+        match object.index {
+            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(now),
+            0x1012 => {
+                self.time = time::consumed(&self.values);
+                self.change_filters();
+            }
             0x100C | 0x100D => {
                 if let Some(guarded) = &mut self.guarded {
                     guarded.reread(&self.values);
@@ -696,7 +830,7 @@ impl<const LEN: usize> Node<LEN> {
                 }
             }
             heartbeat::CONSUMER_TIME => {
-                if self.monitored.reread(row.id.sub, &self.values) {
+                if self.monitored.reread(object.sub, &self.values) {
                     self.change_filters();
                 }
                 self.update_error_register(now);
@@ -706,10 +840,17 @@ impl<const LEN: usize> Node<LEN> {
             index @ 0x1800..=0x1BFF => self.reread_tpdo(now, index),
             _ => {}
         }
+        self.schedule();
     }
 
-    fn listen_to_sync(&mut self, sync: sync::Consumer) {
-        if self.sync.replace(sync) != Some(sync) {
+    fn reread_sync(&mut self, now: Instant) {
+        let Some(sync) = &mut self.sync else { return };
+        let before = sync.id();
+        sync.reread(&self.values);
+        if self.state.serves_sdo() {
+            sync.resume(now);
+        }
+        if sync.id() != before {
             self.change_filters();
         }
     }
@@ -743,6 +884,34 @@ impl<const LEN: usize> Node<LEN> {
         if self.state == State::Operational {
             self.tpdos.start(now);
         }
+    }
+
+    fn emergency_due_at(&self) -> Deadline {
+        self.emergencies.due_at().filter(|_| self.state.serves_sdo()).into()
+    }
+
+    /// Something is due at `deadline`.
+    #[inline]
+    fn wake_by(&mut self, deadline: Deadline) {
+        self.wake_at = self.wake_at.min(deadline);
+    }
+
+    /// Looks for what is due next.
+    fn schedule(&mut self) {
+        let sync = self.sync.as_ref().map_or(Deadline::NEVER, Sync::due_at);
+        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at);
+        self.wake_at = [
+            self.sdo.poll_timeout().into(),
+            self.heartbeat.due_at().into(),
+            self.monitored.due_at().into(),
+            guarding,
+            self.emergency_due_at(),
+            sync,
+            self.rpdos.due_at(),
+            self.tpdos.due_at(),
+        ]
+        .into_iter()
+        .fold(Deadline::NEVER, Deadline::min);
     }
 
     fn report(&mut self, event: Event) {

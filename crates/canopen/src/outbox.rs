@@ -15,8 +15,18 @@ pub const TRANSMIT_MAX: usize = 16;
 #[derive(Debug, Default)]
 pub(crate) struct Outbox {
     boot_up: Option<Frame>,
-    frames: Vec<Frame, TRANSMIT_MAX>,
+    frames: Vec<Frame, TRANSMIT_MAX, u8>,
     lost: u32,
+    overflow: Overflow,
+}
+
+/// An overflow is reported once, until all frames are gone: the report may itself send a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Overflow {
+    #[default]
+    None,
+    Unreported,
+    Reported,
 }
 
 impl Outbox {
@@ -32,15 +42,19 @@ impl Outbox {
 
     /// Adds a frame behind those with the same identifier.
     pub(crate) fn push(&mut self, frame: Frame) {
-        let at = self.frames.iter().take_while(|waiting| waiting.id() > frame.id()).count();
-        self.insert(at, frame);
+        self.insert(frame, |waiting| waiting.id() <= frame.id());
+    }
+
+    /// Adds a frame and drops an equal one that waits: it says nothing else.
+    pub(crate) fn push_once(&mut self, frame: Frame) {
+        self.frames.retain(|waiting| *waiting != frame);
+        self.push(frame);
     }
 
     /// Puts a frame back that a more urgent one pushed out of a mailbox: in front of those with the
     /// same identifier.
     pub(crate) fn give_back(&mut self, frame: Frame) {
-        let at = self.frames.iter().take_while(|waiting| waiting.id() >= frame.id()).count();
-        self.insert(at, frame);
+        self.insert(frame, |waiting| waiting.id() < frame.id());
     }
 
     /// Adds a frame in place of the newest one with the same identifier, if one waits.
@@ -67,7 +81,11 @@ impl Outbox {
     }
 
     pub(crate) fn take(&mut self) -> Option<Frame> {
-        self.boot_up.take().or_else(|| self.frames.pop())
+        let frame = self.boot_up.take().or_else(|| self.frames.pop());
+        if self.overflow == Overflow::Reported && self.frames.is_empty() {
+            self.overflow = Overflow::None;
+        }
+        frame
     }
 
     /// Whether a frame with this identifier waits.
@@ -75,24 +93,31 @@ impl Outbox {
         self.frames.iter().any(|frame| frame.id() == id)
     }
 
-    /// How many frames were dropped because the list was full.
-    pub(crate) const fn lost(&self) -> u32 {
-        self.lost
+    /// How many frames were dropped so far because the list was full, if that is to be reported.
+    pub(crate) fn take_overflow(&mut self) -> Option<u32> {
+        (self.overflow == Overflow::Unreported).then(|| {
+            self.overflow = Overflow::Reported;
+            self.lost
+        })
     }
 
-    /// Makes room at `at`. In a full list the least urgent frame goes, which is the new one when
-    /// its place would be the first.
-    fn insert(&mut self, at: usize, frame: Frame) {
+    /// Adds a frame behind those that go first. In a full list the least urgent frame goes, which
+    /// may be the new one.
+    fn insert(&mut self, frame: Frame, goes_first: impl Fn(&Frame) -> bool) {
         let mut carried = frame;
-        if self.frames.push(frame).is_ok() {
-            for place in self.frames.iter_mut().skip(at) {
+        if self.frames.is_full() {
+            self.lost = self.lost.saturating_add(1);
+            if self.overflow == Overflow::None {
+                self.overflow = Overflow::Unreported;
+            }
+            for place in self.frames.iter_mut().rev().filter(|place| !goes_first(place)) {
                 mem::swap(place, &mut carried);
             }
         } else {
-            self.lost = self.lost.saturating_add(1);
-            for place in self.frames.iter_mut().take(at).rev() {
+            for place in self.frames.iter_mut().filter(|place| goes_first(place)) {
                 mem::swap(place, &mut carried);
             }
+            let _ = self.frames.push(carried);
         }
     }
 }
@@ -121,10 +146,11 @@ mod tests {
         outbox.give_back(frame(0x580, 0));
         outbox.supersede(frame(0x180, 9));
         outbox.push_boot_up(frame(0x77F, 0));
+        outbox.push_once(frame(0x700, 1));
         let order =
-            [(0x77F, 0), (0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 1), (0x700, 2)];
+            [(0x77F, 0), (0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 2), (0x700, 1)];
         assert_eq!(drain(&mut outbox), order);
-        assert_eq!(outbox.lost(), 0);
+        assert_eq!(outbox.take_overflow(), None);
     }
 
     #[test]
@@ -134,10 +160,15 @@ mod tests {
             outbox.push(frame(0x500 + u16::from(number), number));
         }
         outbox.push(frame(0x600, 99));
-        assert_eq!(outbox.lost(), 1, "the new one was the least urgent");
+        assert_eq!(outbox.take_overflow(), Some(1), "the new one was the least urgent");
         outbox.push(frame(0x100, 99));
-        assert_eq!(outbox.lost(), 2);
+        assert_eq!(outbox.take_overflow(), None, "reported until all frames are gone");
         let left = drain(&mut outbox);
         assert_eq!((left.len(), left[0], left[15]), (TRANSMIT_MAX, (0x100, 99), (0x50E, 14)));
+        for number in 0..17 {
+            outbox.push(frame(0x500, number));
+        }
+        assert_eq!(outbox.take_overflow(), Some(3));
+        assert_eq!(drain(&mut outbox)[0], (0x500, 0), "the oldest of equal ones stay");
     }
 }

@@ -10,8 +10,12 @@ pub struct Settings {
     pub pdo: PdoRules,
     /// Which lengths an expedited download may indicate.
     pub expedited: Expedited,
-    /// The emergency messages about receive PDOs.
+    /// The emergency messages about received frames.
     pub receive_errors: ReceiveErrors,
+    /// What errors of the bus bring about.
+    pub bus: BusRules,
+    /// In which states the error behaviour (0x1029) acts.
+    pub error_behaviour: ErrorBehaviour,
     /// Whether clients may transfer values in blocks.
     pub block_transfer: BlockTransfer,
     /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
@@ -97,7 +101,7 @@ pub enum Expedited {
     OneTwoOrFour,
 }
 
-/// The emergency messages about receive PDOs; `None` says nothing.
+/// The emergency messages about received frames; `None` says nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReceiveErrors {
     /// A frame has fewer bytes than the mapped objects. It is dropped.
@@ -108,6 +112,44 @@ pub struct ReceiveErrors {
     pub value: Option<Emergency>,
     /// The next PDO is overdue (sub-index 5 of 0x1400 and following).
     pub overdue: Option<Emergency>,
+    /// A SYNC has a counter where none is expected, or none where one is. It is dropped.
+    pub sync_length: Option<Emergency>,
+}
+
+/// What errors of the bus bring about: emergency messages, where `None` says nothing, and the error
+/// behaviour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BusRules {
+    /// An error counter has reached 96.
+    pub warning: Option<Emergency>,
+    /// The controller became error passive.
+    pub passive: Option<Emergency>,
+    /// The controller recovered from bus-off.
+    pub recovered: Option<Emergency>,
+    /// The controller lost received frames.
+    pub overrun: Option<Emergency>,
+    /// Frames were dropped because too many waited for a mailbox.
+    pub overflow: Option<Emergency>,
+    /// What bus-off is.
+    pub off: BusOff,
+}
+
+/// What bus-off is to the error behaviour (0x1029).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BusOff {
+    /// A communication error.
+    CommunicationError,
+    /// No reason to leave the state.
+    NoReason,
+}
+
+/// In which states the error behaviour (0x1029) acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorBehaviour {
+    /// In Operational alone.
+    InOperational,
+    /// In every state: to Stopped and to a reset also from Pre-operational.
+    InEveryState,
 }
 
 /// What an emergency message says.
@@ -175,7 +217,17 @@ impl Settings {
             too_long: Some(Emergency { code: 0x8220, manufacturer: [0; 5] }),
             value: None,
             overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
+            sync_length: Some(Emergency { code: 0x8240, manufacturer: [0; 5] }),
         },
+        bus: BusRules {
+            warning: None,
+            passive: Some(Emergency { code: 0x8120, manufacturer: [0; 5] }),
+            recovered: Some(Emergency { code: 0x8140, manufacturer: [0; 5] }),
+            overrun: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+            overflow: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+            off: BusOff::CommunicationError,
+        },
+        error_behaviour: ErrorBehaviour::InOperational,
         block_transfer: BlockTransfer::Unknown,
         additional_information: AdditionalInformation::FirstTwoBytes,
         lss: None,

@@ -1,25 +1,212 @@
-use crate::cob_id::CobId;
-use crate::frame::{CanId, Frame};
+use object_dictionary::{ObjectId, Values};
+use units::{Duration, Instant};
 
-/// The SYNC consumer (CiA 301, section 7.2.5; object 0x1005).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Consumer {
+use crate::cob_id::CobId;
+use crate::deadline::Deadline;
+use crate::frame::{CanId, Frame};
+use crate::sdo::AbortCode;
+
+pub(crate) const COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
+/// The communication cycle period, in microseconds.
+pub(crate) const PERIOD: ObjectId = ObjectId { index: 0x1006, sub: 0 };
+/// The synchronous window length, in microseconds.
+pub(crate) const WINDOW: ObjectId = ObjectId { index: 0x1007, sub: 0 };
+/// The synchronous counter overflow value.
+pub(crate) const OVERFLOW: ObjectId = ObjectId { index: 0x1019, sub: 0 };
+
+/// The SYNC consumer and producer (CiA 301, section 7.2.5; objects 0x1005, 0x1006, 0x1007 and
+/// 0x1019).
+///
+/// It produces while bit 30 of 0x1005 is set and the period is not 0, in the states that have PDO or
+/// SDO; the first SYNC follows one period after the start, with the counter 1. The device itself
+/// acts on what it produces.
+///
+/// A product without 0x1019 takes a SYNC with a counter as one without.
+#[derive(Debug)]
+pub(crate) struct Sync {
     id: CanId,
+    lengths: Lengths,
+    /// The counter of the last SYNC produced; 0 before the first.
+    counter: u8,
+    /// Zero for a device that does not produce.
+    period: Duration,
+    due_at: Deadline,
+    window: Duration,
+    window_ends_at: Deadline,
+    is_window_over: bool,
+    length: Length,
 }
 
-impl Consumer {
-    /// Listens to the identifier in bits 10 to 0 of 0x1005. Bit 31 means nothing there.
-    pub(crate) const fn new(cob_id: u32) -> Self {
-        Self { id: CobId::from_raw(cob_id).can_id() }
+/// Whether the last SYNC had the expected length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Length {
+    Expected,
+    Unexpected,
+}
+
+/// How many data bytes a SYNC has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lengths {
+    /// None, or a counter that does not count.
+    NoneOrOne,
+    /// None.
+    None,
+    /// A counter from 1 to `overflow`.
+    Counter { overflow: u8 },
+}
+
+/// What a data frame is to the consumer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Received {
+    /// A SYNC, with its counter if it has one that counts.
+    Sync { counter: Option<u8> },
+    /// The first SYNC of the wrong length.
+    UnexpectedLength,
+    /// A further one.
+    Nothing,
+}
+
+impl Sync {
+    /// `None` when the product has no 0x1005.
+    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Option<Self> {
+        let value = |object| Some(values.raw(values.dictionary().find(object).ok()?));
+        let cob_id = CobId::from_raw(value(COB_ID)?);
+        let microseconds = |object| Duration::from_micros(u64::from(value(object).unwrap_or(0)));
+        let lengths = match value(OVERFLOW).map(u32::to_le_bytes) {
+            None => Lengths::NoneOrOne,
+            Some([0, ..]) => Lengths::None,
+            Some([overflow, ..]) => Lengths::Counter { overflow },
+        };
+        Some(Self {
+            id: cob_id.can_id(),
+            lengths,
+            counter: 0,
+            period: if cob_id.generates() { microseconds(PERIOD) } else { Duration::ZERO },
+            due_at: Deadline::NEVER,
+            window: microseconds(WINDOW),
+            window_ends_at: Deadline::NEVER,
+            is_window_over: false,
+            length: Length::Expected,
+        })
     }
 
-    pub(crate) const fn id(self) -> CanId {
+    pub(crate) const fn id(&self) -> CanId {
         self.id
     }
 
-    /// Whether the data frame is a SYNC. Producers send it without data or with a counter of one byte;
-    /// both count, the byte itself means nothing here.
-    pub(crate) fn recognises(self, frame: &Frame) -> bool {
-        frame.id() == self.id && frame.dlc() <= 1
+    /// Takes its objects over again. A producer that is to produce otherwise stands still until
+    /// [`Self::resume`].
+    pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
+        let Some(again) = Self::new(values) else { return };
+        let kind = |sync: &Self| (sync.id, sync.lengths, sync.period);
+        if kind(self) == kind(&again) {
+            self.window = again.window;
+        } else {
+            *self = again;
+        }
+    }
+
+    /// Starts a producer that stands still.
+    pub(crate) fn resume(&mut self, now: Instant) {
+        if self.due_at == Deadline::NEVER {
+            self.start(now);
+        }
+    }
+
+    /// Starts the count of the producer.
+    pub(crate) fn start(&mut self, now: Instant) {
+        self.counter = 0;
+        self.due_at = Deadline::after(now, self.period);
+    }
+
+    /// Produces nothing, and no window is open.
+    pub(crate) fn stop(&mut self) {
+        self.due_at = Deadline::NEVER;
+        self.window_ends_at = Deadline::NEVER;
+        self.is_window_over = false;
+    }
+
+    /// Takes a data frame with its identifier.
+    pub(crate) fn receive(&mut self, frame: &Frame) -> Received {
+        let counter = match (self.lengths, frame.data()) {
+            (Lengths::NoneOrOne | Lengths::None, []) | (Lengths::NoneOrOne, [_]) => None,
+            (Lengths::Counter { .. }, &[counter]) => Some(counter),
+            (Lengths::NoneOrOne | Lengths::None | Lengths::Counter { .. }, _) => {
+                return match core::mem::replace(&mut self.length, Length::Unexpected) {
+                    Length::Expected => Received::UnexpectedLength,
+                    Length::Unexpected => Received::Nothing,
+                };
+            }
+        };
+        self.length = Length::Expected;
+        Received::Sync { counter }
+    }
+
+    /// A SYNC came: its window opens. When that ends.
+    pub(crate) fn open_window(&mut self, now: Instant) -> Deadline {
+        self.window_ends_at = Deadline::after(now, self.window);
+        self.is_window_over = false;
+        self.window_ends_at
+    }
+
+    /// Whether the window of the last SYNC is over.
+    pub(crate) const fn is_window_over(&self) -> bool {
+        self.is_window_over
+    }
+
+    pub(crate) fn due_at(&self) -> Deadline {
+        self.due_at.min(self.window_ends_at)
+    }
+
+    /// Whether the window ends now.
+    pub(crate) fn take_window_end(&mut self, now: Instant) -> bool {
+        let ends = self.window_ends_at.is_due(now);
+        if ends {
+            self.window_ends_at = Deadline::NEVER;
+            self.is_window_over = true;
+        }
+        ends
+    }
+
+    /// The SYNC that is to be produced now, and its counter if it has one.
+    pub(crate) fn take_due(&mut self, now: Instant) -> Option<(Frame, Option<u8>)> {
+        let due_at = self.due_at.instant().filter(|&due_at| due_at <= now)?;
+        let next_at = due_at + self.period;
+        self.due_at = Deadline::at(if next_at > now { next_at } else { now + self.period });
+        match self.lengths {
+            Lengths::NoneOrOne | Lengths::None => Some((Frame::empty(self.id), None)),
+            Lengths::Counter { overflow } => {
+                self.counter = if self.counter < overflow { self.counter + 1 } else { 1 };
+                Some((Frame::single(self.id, self.counter), Some(self.counter)))
+            }
+        }
+    }
+}
+
+/// Whether a client may write `raw` to one of the objects of SYNC, which its row permits (CiA 301,
+/// sections 7.5.2.5 and 7.5.2.22). Only a product with a period can be told to produce.
+pub(crate) fn check<const LEN: usize>(
+    values: &Values<LEN>,
+    object: ObjectId,
+    raw: u32,
+) -> Result<(), AbortCode> {
+    const OVERFLOW_MAX: u32 = 240;
+    let value = |object| Some(values.raw(values.dictionary().find(object).ok()?));
+    match object {
+        COB_ID => {
+            let (before, after) =
+                (CobId::from_raw(value(COB_ID).unwrap_or(0)), CobId::from_raw(raw));
+            let is_able = !after.generates() || value(PERIOD).is_some();
+            let stays =
+                !(before.generates() && after.generates()) || before.can_id() == after.can_id();
+            if after.suits_sync() && is_able && stays {
+                Ok(())
+            } else {
+                Err(AbortCode::VALUE_RANGE)
+            }
+        }
+        OVERFLOW if raw == 1 || raw > OVERFLOW_MAX => Err(AbortCode::VALUE_RANGE),
+        OVERFLOW if value(PERIOD).is_some_and(|period| period != 0) => Err(AbortCode::DEVICE_STATE),
+        _ => Ok(()),
     }
 }

@@ -11,10 +11,6 @@ pub(crate) struct Emergency {
 }
 
 impl Emergency {
-    pub(crate) const BUS_WARNING: Self = Self::new(0x8100, 0);
-    pub(crate) const CAN_OVERRUN: Self = Self::new(0x8110, 0);
-    pub(crate) const BUS_PASSIVE: Self = Self::new(0x8120, 0);
-    pub(crate) const BUS_OFF_RECOVERED: Self = Self::new(0x8140, 0);
     pub(crate) const NO_BROADCAST: Self = Self::new(0x8220, 1);
     pub(crate) const PDO_NOT_QUEUED: Self = Self::new(0x8220, 2);
     pub(crate) const WRONG_VALUE: Self = Self::new(0x8220, 3);
@@ -49,8 +45,6 @@ impl From<link::Fault> for Emergency {
 /// What keeps a bit of the error register set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Condition {
-    /// Error passive or bus-off.
-    Bus,
     /// The link is out of service.
     Link,
     /// The application has an error.
@@ -60,7 +54,6 @@ pub(crate) enum Condition {
 /// The conditions that are present.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Conditions {
-    bus: bool,
     link: bool,
     application: bool,
 }
@@ -68,15 +61,14 @@ pub(crate) struct Conditions {
 impl Conditions {
     pub(crate) const fn set(&mut self, condition: Condition, present: bool) {
         match condition {
-            Condition::Bus => self.bus = present,
             Condition::Link => self.link = present,
             Condition::Application => self.application = present,
         }
     }
 
-    /// Object 0x1001: bit 0 with any condition, bit 4 communication, bit 7 application.
+    /// The product's part of object 0x1001: bit 0 with any condition, bit 7 application.
     pub(crate) fn error_register(self) -> u8 {
-        let any = self.bus || self.link || self.application;
-        u8::from(any) | u8::from(self.bus) << 4 | u8::from(self.application) << 7
+        let any = self.link || self.application;
+        u8::from(any) | u8::from(self.application) << 7
     }
 }

@@ -1,5 +1,5 @@
 use canopen::lss::BitRate;
-use canopen::{Accepted, Frame, Node, NodeId, State};
+use canopen::{Accepted, BusState, Frame, Node, NodeId, State};
 use heapless::Deque;
 use object_dictionary::{Access, Owner, Row, Slot};
 use profiles::nm17x::{BIT_RATE, COMMANDS, NODE_ID, SERIAL_NUMBER, STATUS_REGISTER};
@@ -40,19 +40,6 @@ pub struct Boot {
     pub nonce: u32,
 }
 
-/// The CAN controller's standing on the bus (ISO 11898-1, fault confinement).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BusState {
-    /// Error active, no warning.
-    Active,
-    /// An error counter has reached 96.
-    Warning,
-    /// Error passive.
-    Passive,
-    /// Bus-off.
-    Off,
-}
-
 /// What the shell has to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
@@ -88,7 +75,6 @@ pub struct Interface {
     /// Until when the boot-up message waits for the application's values.
     boot_up_by: Option<Instant>,
     values_known: bool,
-    bus: BusState,
     conditions: Conditions,
     /// In 0x2100's numbers.
     bit_rate: u8,
@@ -145,7 +131,6 @@ impl Interface {
             link: Link::new(now, hello, rows, node_id.get()),
             boot_up_by: Some(now + BOOT_UP_AFTER),
             values_known: false,
-            bus: BusState::Active,
             conditions: Conditions::default(),
             bit_rate: 0,
             bit_timing: None,
@@ -197,27 +182,7 @@ impl Interface {
 
     /// A frame from the bus.
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
-        let known =
-            Known { values: self.values_known, scaling: self.value(self.slots.scaling) != 0 };
-        let mut objects = Objects {
-            link: &mut self.link,
-            message: &mut self.message,
-            slots: &self.slots,
-            known,
-            outcome: Outcome::Nothing,
-        };
-        self.node.handle_frame(now, frame, &mut objects);
-        match objects.outcome {
-            Outcome::Nothing => {}
-            Outcome::Store(record) => self.event(Event::Store(record)),
-            Outcome::ApplicationWritten(slot) => {
-                self.received_correction.take_if(|_| Some(slot) == self.slots.correction);
-                self.follow_correction(now);
-            }
-            Outcome::Received(received) => self.follow_pdo(now, received),
-            Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
-        }
-        self.settle_node(now);
+        self.run_node(now, Some(frame));
     }
 
     /// Bytes from the link.
@@ -226,38 +191,18 @@ impl Interface {
             self.link.handle_byte(now, byte);
             self.settle_link(now);
         }
-        self.node.handle_timeout(now);
-        self.settle_node(now);
+        self.run_node(now, None);
     }
 
     /// The controller's standing on the bus changed.
     pub fn handle_bus(&mut self, now: Instant, bus: BusState) {
-        let before = core::mem::replace(&mut self.bus, bus);
-        if before == bus {
-            return;
-        }
-        let impaired = matches!(bus, BusState::Passive | BusState::Off);
-        if impaired {
-            self.set_condition(now, Condition::Bus, true);
-        }
-        match bus {
-            BusState::Off => self.link.stop(Urgency::BusOff),
-            BusState::Active | BusState::Warning | BusState::Passive if before == BusState::Off => {
-                self.send(Emergency::BUS_OFF_RECOVERED);
-            }
-            BusState::Warning if before == BusState::Active => self.send(Emergency::BUS_WARNING),
-            BusState::Passive => self.send(Emergency::BUS_PASSIVE),
-            BusState::Active | BusState::Warning => {}
-        }
-        if !impaired {
-            self.set_condition(now, Condition::Bus, false);
-        }
+        self.node.handle_bus(now, bus);
         self.settle_node(now);
     }
 
     /// Frames were lost because they came faster than they were taken.
     pub fn handle_overrun(&mut self) {
-        self.send(Emergency::CAN_OVERRUN);
+        self.node.handle_overrun();
     }
 
     /// Does what is due.
@@ -270,8 +215,7 @@ impl Interface {
             self.send(Emergency::LINK_LOST);
         }
         self.switch_bit_rate(now);
-        self.node.handle_timeout(now);
-        self.settle_node(now);
+        self.run_node(now, None);
     }
 
     /// When [`Self::handle_timeout`] has something to do.
@@ -321,6 +265,34 @@ const DELIVERED_NODE_ID: NodeId = match NodeId::new(127) {
 const BIT_RATE_MAX: u8 = 8;
 
 impl Interface {
+    /// Lets the node take a frame in, or do what is due.
+    fn run_node(&mut self, now: Instant, frame: Option<&Frame>) {
+        let known =
+            Known { values: self.values_known, scaling: self.value(self.slots.scaling) != 0 };
+        let mut objects = Objects {
+            link: &mut self.link,
+            message: &mut self.message,
+            slots: &self.slots,
+            known,
+            outcome: Outcome::Nothing,
+        };
+        match frame {
+            Some(frame) => self.node.handle_frame(now, frame, &mut objects),
+            None => self.node.handle_timeout(now, &mut objects),
+        }
+        match objects.outcome {
+            Outcome::Nothing => {}
+            Outcome::Store(record) => self.event(Event::Store(record)),
+            Outcome::ApplicationWritten(slot) => {
+                self.received_correction.take_if(|_| Some(slot) == self.slots.correction);
+                self.follow_correction(now);
+            }
+            Outcome::Received(received) => self.follow_pdo(now, received),
+            Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
+        }
+        self.settle_node(now);
+    }
+
     fn settle_link(&mut self, now: Instant) {
         while let Some(event) = self.link.poll_event() {
             match event {
@@ -365,7 +337,12 @@ impl Interface {
                 | canopen::Event::PdoOverdue { .. } => {}
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 canopen::Event::Lss(event) => self.follow_lss(now, event),
-                canopen::Event::TransmitOverflow { .. } => self.send(Emergency::CAN_OVERRUN),
+                canopen::Event::BusStateChanged { to: BusState::Off, .. } => {
+                    self.link.stop(Urgency::BusOff);
+                }
+                canopen::Event::BusStateChanged { .. }
+                | canopen::Event::Time(_)
+                | canopen::Event::TransmitOverflow { .. } => {}
             }
         }
     }
@@ -431,6 +408,7 @@ impl Interface {
             }
         }
         self.node.set_error_register(Instant::ZERO, self.conditions.error_register());
+        self.node.handle_bus(Instant::ZERO, before.bus_state());
     }
 
     fn take_process_data(&mut self, now: Instant, process: &ProcessData) {

@@ -15,5 +15,5 @@ mod saving;
 mod slots;
 mod stored;
 
-pub use interface::{Boot, BusState, Event, Interface, NotSaved};
+pub use interface::{Boot, Event, Interface, NotSaved};
 pub use record::Record;

@@ -4,8 +4,8 @@ use canopen::lss::{
     self, Addressing, BitRate, Identification, RequestLength, Selection, Unconfigured,
 };
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, Emergency, Expedited, PdoChanges,
-    PdoRules, ReceiveErrors, Settings, Trigger,
+    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, BusOff, BusRules, Emergency,
+    ErrorBehaviour, Expedited, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
 };
 use units::Duration;
 
@@ -25,7 +25,17 @@ pub(crate) static SETTINGS: Settings = Settings {
         too_long: None,
         value: Some(Emergency { code: 0x8220, manufacturer: [0, 0, 0, 0, 3] }),
         overdue: None,
+        sync_length: None,
     },
+    bus: BusRules {
+        warning: Some(Emergency { code: 0x8100, manufacturer: [0; 5] }),
+        passive: Some(Emergency { code: 0x8120, manufacturer: [0; 5] }),
+        recovered: Some(Emergency { code: 0x8140, manufacturer: [0; 5] }),
+        overrun: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+        overflow: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+        off: BusOff::NoReason,
+    },
+    error_behaviour: ErrorBehaviour::InOperational,
     block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: Some(&LAYER_SETTINGS),

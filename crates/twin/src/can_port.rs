@@ -6,8 +6,7 @@
 
 use std::collections::VecDeque;
 
-use canopen::{Accepted, CanId, Frame};
-use interface::BusState;
+use canopen::{Accepted, BusState, CanId, Frame};
 use world::can::{
     BitTime, Confinement, Delivery, ErrorCounters, Id, MAILBOXES, Nanos, Outcome, PortState,
     Presence, RecessiveWait, Request, SendOrder, What,

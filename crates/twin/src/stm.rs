@@ -1,6 +1,7 @@
 //! The CAN interface controller: its core, and what the shell of the image does for it.
 
-use interface::{Boot, BusState, Event, Interface};
+use canopen::BusState;
+use interface::{Boot, Event, Interface};
 use profiles::Product;
 use units::Duration;
 use world::can::{Delivery, Nanos, PortState};

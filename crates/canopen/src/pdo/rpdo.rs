@@ -68,6 +68,11 @@ impl Rpdo {
         self.parameters.cob_id.is_valid_with(id)
     }
 
+    /// Whether its values wait for a SYNC.
+    pub(super) fn waits_for_sync(&self) -> bool {
+        self.parameters.reception == Reception::WithSync
+    }
+
     /// Whether `index` is its communication parameter or its mapping.
     pub(super) const fn is_described_by(&self, index: u16) -> bool {
         index == COMMUNICATION + self.number || index == MAPPING + self.number

@@ -66,6 +66,11 @@ impl Rpdos {
         self.rpdos.iter().any(|rpdo| rpdo.listens_to(id))
     }
 
+    /// Whether data frames with this identifier wait for a SYNC.
+    pub(crate) fn wait_for_sync(&self, id: CanId) -> bool {
+        self.rpdos.iter().any(|rpdo| rpdo.listens_to(id) && rpdo.waits_for_sync())
+    }
+
     /// Takes a data frame that is one of them. Comes back with what is to be said about it.
     pub(crate) fn handle_frame<A: Application, const LEN: usize>(
         &mut self,

@@ -80,6 +80,11 @@ impl Tpdo {
         self.parameters.cob_id.is_valid_with(id)
     }
 
+    /// Whether it goes out with a SYNC.
+    pub(super) const fn follows_sync(&self) -> bool {
+        self.parameters.transmission.follows_sync()
+    }
+
     /// The identifier of the remote frames it answers.
     pub(super) const fn remote_id(&self) -> Option<CanId> {
         self.parameters.remote_id()

@@ -71,6 +71,11 @@ impl Tpdos {
         self.tpdos.iter().any(|tpdo| tpdo.sends(id))
     }
 
+    /// Whether frames with this identifier are their own and go out with a SYNC.
+    pub(crate) fn send_with_sync(&self, id: CanId) -> bool {
+        self.tpdos.iter().any(|tpdo| tpdo.sends(id) && tpdo.follows_sync())
+    }
+
     /// The value at `slot` changed. What that lets go out is due at once, or when the inhibit time
     /// ends.
     pub(crate) fn note_change(&mut self, slot: Slot) {

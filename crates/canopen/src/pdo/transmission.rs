@@ -41,6 +41,14 @@ impl Transmission {
         matches!(transmission_type, 0..=240 | 252..=255)
     }
 
+    /// Whether it goes out with a SYNC.
+    pub(super) const fn follows_sync(self) -> bool {
+        match self {
+            Self::SyncAfterEvent | Self::EverySync { .. } => true,
+            Self::RemoteFromSync | Self::Remote | Self::Event(_) | Self::Never => false,
+        }
+    }
+
     /// Whether an event lets it go out, at once or with a SYNC.
     pub(super) const fn has_events(self) -> bool {
         match self {

@@ -9,6 +9,8 @@ use crate::emcy;
 use crate::heartbeat;
 use crate::pdo;
 use crate::settings::Settings;
+use crate::sync;
+use crate::time;
 
 /// The object dictionary as a client meets it. The checks come in one order, so that a request
 /// fails for one reason only: index, sub-index, access, length, value, application.
@@ -168,6 +170,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             return Err(AbortCode::INCOMPATIBLE);
         }
         pdo::check(self.values, &self.settings.pdo, row.id, raw)?;
+        sync::check(self.values, row.id, raw)?;
         Ok(raw)
     }
 }
@@ -181,9 +184,9 @@ const fn acts_again(object: ObjectId) -> bool {
 fn is_possible(object: ObjectId, raw: u32) -> bool {
     match (object.index, object.sub) {
         (emcy::HISTORY, 0) => raw == 0,
-        (0x1005, 0) => CobId::from_raw(raw).suits_sync_consumer(),
+        (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
         (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
-        (0x1029, 1) => raw <= 2,
+        (0x1029, 1) => raw <= 3,
         _ => true,
     }
 }

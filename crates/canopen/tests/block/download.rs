@@ -103,6 +103,6 @@ fn an_abort_or_silence_ends_the_transfer() {
     assert_eq!(server.node.poll_timeout(), None);
     initiated(&mut server, 0x2007, 32);
     server.now = server.now + Duration::from_millis(1_000);
-    server.node.handle_timeout(server.now);
+    server.node.handle_timeout(server.now, &mut server.texts);
     assert_eq!(server.answers(), [abort(0x2007, 0x0504_0000)]);
 }

@@ -92,7 +92,7 @@ fn an_abort_or_silence_ends_the_transfer() {
     let _ = server.ask([0xA4, 0x08, 0x20, 0, 2, 0, 0, 0]);
     assert_eq!(server.ask([0xA3, 0, 0, 0, 0, 0, 0, 0]).len(), 2);
     server.now = server.now + Duration::from_millis(1_000);
-    server.node.handle_timeout(server.now);
+    server.node.handle_timeout(server.now, &mut server.texts);
     assert_eq!(server.answers(), [abort(0x2008, 0x0504_0000)]);
 }
 

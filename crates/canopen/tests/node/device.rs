@@ -2,9 +2,9 @@
 //! standard library can include it too.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, Application, BlockTransfer, Emergency, Expedited,
-    Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError, ReceiveErrors, Settings, Trigger,
-    WriteError, Written,
+    AbortCode, AbortCodes, AdditionalInformation, Application, BlockTransfer, BusOff, BusRules,
+    Emergency, ErrorBehaviour, Expedited, Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError,
+    ReceiveErrors, Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
 use units::Duration;
@@ -27,7 +27,17 @@ pub(crate) static SETTINGS: Settings = Settings {
         too_long: None,
         value: Some(Emergency { code: 0x8220, manufacturer: [0, 0, 0, 0, 3] }),
         overdue: Some(Emergency { code: 0x8250, manufacturer: [0; 5] }),
+        sync_length: None,
     },
+    bus: BusRules {
+        warning: Some(Emergency { code: 0x8100, manufacturer: [0; 5] }),
+        passive: Some(Emergency { code: 0x8120, manufacturer: [0; 5] }),
+        recovered: Some(Emergency { code: 0x8140, manufacturer: [0; 5] }),
+        overrun: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+        overflow: Some(Emergency { code: 0x8110, manufacturer: [0; 5] }),
+        off: BusOff::NoReason,
+    },
+    error_behaviour: ErrorBehaviour::InOperational,
     block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: None,
@@ -96,7 +106,7 @@ const EMCY_COB_ID: Object<u32> = rw(0x1014, 0, "COB-ID EMCY")
 const EMCY_INHIBIT: Object<u16> = rw(0x1015, 0, "Inhibit time EMCY");
 const MONITORED_1: Object<u32> = rw(0x1016, 1, "Consumer heartbeat time");
 const MONITORED_2: Object<u32> = rw(0x1016, 2, "Consumer heartbeat time");
-const ON_COMMUNICATION_ERROR: Object<u8> = rw(0x1029, 1, "Error behaviour");
+const ON_COMMUNICATION_ERROR: Object<u8> = rw(0x1029, 1, "Error behaviour").within(0, 2);
 const ON_MANUFACTURER_ERROR: Object<u8> = rw(0x1029, 2, "Error behaviour").within(0, 2).default(1);
 const HEARTBEAT: Object<u16> = rw(0x1017, 0, "Heartbeat time");
 const RPDO1_COB_ID: Object<u32> = rpdo_cob_id(0x1400).default(0x4000_0201);

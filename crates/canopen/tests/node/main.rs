@@ -7,6 +7,7 @@
     reason = "a test that meets what it does not expect has to fail"
 )]
 
+mod bus;
 mod cia_301;
 mod device;
 mod emergency;
@@ -17,6 +18,8 @@ mod pdo;
 mod receive;
 mod script;
 mod sdo;
+mod sync;
+mod time;
 mod transmit;
 mod vectors;
 

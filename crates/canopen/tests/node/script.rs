@@ -1,13 +1,14 @@
 //! Runs a node through a script and writes down everything it does.
 //!
 //! A script has one step a line: `MS boot`, `MS < ID BYTES`, `MS remote ID LEN`,
-//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS end`. Between the steps the clock jumps from deadline to
+//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`, `MS overrun`,
+//! `MS end`. Between the steps the clock jumps from deadline to
 //! deadline. The transcript has `<` for what the node receives, `>` for what it sends and `*` for
 //! its events; a frame is written as ID, length and bytes.
 
 use std::fmt::Write as _;
 
-use canopen::{Application, CanId, Event, Frame, Node};
+use canopen::{Application, BusState, CanId, Event, Frame, Node};
 use object_dictionary::{ObjectId, Slot};
 use units::{Duration, Instant};
 
@@ -38,7 +39,7 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
     fn advance(&mut self, until: Instant) {
         while let Some(due_at) = self.node.poll_timeout().filter(|&due_at| due_at <= until) {
             self.now = self.now.max(due_at);
-            self.node.handle_timeout(self.now);
+            self.node.handle_timeout(self.now, self.application);
             self.drain();
             assert!(
                 self.node.poll_timeout().is_none_or(|next_at| next_at > self.now),
@@ -77,6 +78,8 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
                 let code = u16::from_str_radix(code, 16).expect("hexadecimal");
                 self.node.send_emergency(code, [0xA1, 0xA2, 0, 0, hex(sub_code)]);
             }
+            "bus" => self.node.handle_bus(self.now, bus_state(rest)),
+            "overrun" => self.node.handle_overrun(),
             "end" => {}
             _ => panic!("unknown step: {step}"),
         }
@@ -97,11 +100,13 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
                 | Event::ResetCommunication
                 | Event::FiltersChanged
                 | Event::PdoOverdue { .. }
+                | Event::BusStateChanged { .. }
                 | Event::GuardingLost
                 | Event::GuardingRecovered
                 | Event::HeartbeatLost { .. }
                 | Event::HeartbeatRecovered { .. }
                 | Event::Lss(_)
+                | Event::Time(_)
                 | Event::TransmitOverflow { .. } => format!("{event:?}"),
             };
             self.line('*', &event);
@@ -138,6 +143,16 @@ fn described(frame: &Frame) -> String {
 
 fn hex(digits: &str) -> u8 {
     u8::from_str_radix(digits, 16).expect("hexadecimal")
+}
+
+fn bus_state(name: &str) -> BusState {
+    match name {
+        "active" => BusState::Active,
+        "warning" => BusState::Warning,
+        "passive" => BusState::Passive,
+        "off" => BusState::Off,
+        _ => panic!("unknown state of the bus: {name}"),
+    }
 }
 
 fn can_id(digits: &str) -> CanId {

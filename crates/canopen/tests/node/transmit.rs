@@ -31,14 +31,14 @@ fn a_silent_bus_leaves_only_what_is_new() {
     for ms in 0..1_000 {
         let now = Instant::ZERO + Duration::from_millis(ms);
         set(&mut node, now, 0x6004, u32::try_from(ms).unwrap());
-        node.handle_timeout(now);
+        node.handle_timeout(now, &mut ());
     }
     let boot_up = node.take_transmit().unwrap();
     node.give_back(boot_up);
     let now = Instant::ZERO + Duration::from_millis(1_000);
-    node.handle_timeout(now);
+    node.handle_timeout(now, &mut ());
     assert_eq!(waiting(&mut node), [(0x77F, 0x00), (0x2FF, 0xC0)]);
-    node.handle_timeout(now + Duration::from_millis(50));
+    node.handle_timeout(now + Duration::from_millis(50), &mut ());
     assert_eq!(waiting(&mut node), [(0x2FF, 0xE7), (0x77F, 0x05)]);
 }
 
@@ -101,7 +101,7 @@ fn the_event_timer_does_not_drift() {
     node.boot(Instant::ZERO);
     receive(&mut node, 0x000, &[0x01, 0x7F]);
     for (late_ms, next_ms) in [(13, 20), (20, 30), (39, 40), (75, 85)] {
-        node.handle_timeout(Instant::ZERO + Duration::from_millis(late_ms));
+        node.handle_timeout(Instant::ZERO + Duration::from_millis(late_ms), &mut ());
         let next_at = Instant::ZERO + Duration::from_millis(next_ms);
         assert_eq!(node.poll_timeout(), Some(next_at), "served at {late_ms} ms");
     }
@@ -117,7 +117,7 @@ fn a_stopped_node_keeps_its_error_control_only() {
     receive(&mut node, 0x000, &[0x01, 0x7F]);
     receive(&mut node, 0x67F, &[0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
     node.send_emergency(0x8110, [0; 5]);
-    node.handle_timeout(Instant::ZERO + Duration::from_millis(10));
+    node.handle_timeout(Instant::ZERO + Duration::from_millis(10), &mut ());
     receive(&mut node, 0x000, &[0x02, 0x7F]);
     node.send_emergency(0x8110, [0; 5]);
     assert_eq!(waiting(&mut node), [(0x77F, 0x05)]);

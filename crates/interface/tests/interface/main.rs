@@ -5,8 +5,9 @@ mod lss;
 mod pdo;
 mod script;
 
+use canopen::BusState;
 use expect_test::expect;
-use interface::{BusState, Event, Record};
+use interface::{Event, Record};
 use object_dictionary::Slot;
 use profiles::nm172::PRODUCT;
 use script::Script;

@@ -3,9 +3,9 @@
 
 use std::fmt::Write as _;
 
-use canopen::{CanId, Frame};
+use canopen::{BusState, CanId, Frame};
 use expect_test::Expect;
-use interface::{Boot, BusState, Event, Interface, NotSaved, Record};
+use interface::{Boot, Event, Interface, NotSaved, Record};
 use profiles::Product;
 use profiles::nm172::PRODUCT;
 use shared_proto::limits::SNAPSHOT_VALUES_MAX;
