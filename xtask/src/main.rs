@@ -4,7 +4,10 @@ use std::process::ExitCode;
 
 mod codegen;
 mod flash;
+mod fuzz;
 mod images;
+mod miri;
+mod panics;
 mod python;
 mod qemu;
 mod run;
@@ -27,6 +30,10 @@ cargo xtask VERB
   size                     flash and RAM of the images, and the crates that take most of it
   perf                     measure the images on the bench
   perf --stack             count the instructions of the CANopen stack, in seconds
+  panics                   look in the images for ways from the logic to a panic
+  fuzz [TARGET] [--minutes N]
+                           look for inputs that break a rule, 10 minutes for each target
+  miri                     run the tests of what takes bytes from outside under Miri
   trace                    which requirement is shown by which test
   flash PRODUCT --stm PROBE --msp PROBE
                            build the images and write them to two boards
@@ -43,6 +50,9 @@ fn main() -> ExitCode {
         ["size"] => size::size(),
         ["perf"] => up::perf(),
         ["perf", "--stack"] => stack::perf(),
+        ["panics"] => panics::panics(),
+        ["fuzz", rest @ ..] => fuzz::fuzz(rest),
+        ["miri"] => miri::miri(),
         ["trace"] => trace::trace(),
         ["flash", rest @ ..] => flash::flash(rest),
         ["help" | "--help" | "-h"] => {
@@ -50,9 +60,11 @@ fn main() -> ExitCode {
             Ok(())
         }
         [] => Err(Failure::Usage(format!("a verb is missing\n\n{HELP}"))),
-        [verb @ ("test" | "ci" | "codegen" | "size" | "perf" | "trace"), extra, ..] => {
-            Err(Failure::Usage(format!("`cargo xtask {verb}` takes no `{extra}`")))
-        }
+        [
+            verb @ ("test" | "ci" | "codegen" | "size" | "perf" | "panics" | "miri" | "trace"),
+            extra,
+            ..,
+        ] => Err(Failure::Usage(format!("`cargo xtask {verb}` takes no `{extra}`"))),
         [verb, ..] => Err(Failure::Usage(format!("there is no verb `{verb}`\n\n{HELP}"))),
     };
     match done {

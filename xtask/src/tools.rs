@@ -5,6 +5,9 @@ use std::process::{Command, Stdio};
 use crate::images::TARGET;
 use crate::run::Failure;
 
+/// The compiler that has Miri; everything else is done with the one of `rust-toolchain.toml`.
+pub(crate) const NIGHTLY: &str = "nightly-2026-10-30";
+
 /// A program or component that cargo does not fetch on its own.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Tool {
@@ -16,6 +19,10 @@ pub(crate) enum Tool {
     PythonVenv,
     /// Writes to the boards.
     ProbeRs,
+    /// Runs the fuzz targets.
+    CargoFuzz,
+    /// Interprets tests.
+    Miri,
 }
 
 impl Tool {
@@ -30,6 +37,8 @@ impl Tool {
             Self::Qemu => runs("qemu-system-arm", &["--version"]),
             Self::PythonVenv => runs("python3", &["-c", "import venv, ensurepip"]),
             Self::ProbeRs => runs("probe-rs", &["--version"]),
+            Self::CargoFuzz => runs("cargo-fuzz", &["--version"]),
+            Self::Miri => runs("rustup", &["run", NIGHTLY, "cargo", "miri", "--version"]),
         }
     }
 
@@ -46,6 +55,11 @@ impl Tool {
             Self::ProbeRs => {
                 "probe-rs is missing: cargo install probe-rs-tools --locked (it needs: sudo \
                  apt-get install pkg-config libudev-dev)"
+            }
+            Self::CargoFuzz => "cargo-fuzz is missing: cargo install cargo-fuzz --locked",
+            Self::Miri => {
+                "Miri is missing: rustup toolchain install nightly-2026-10-30 --profile minimal \
+                 --component miri,rust-src"
             }
         }
     }
