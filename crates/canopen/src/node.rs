@@ -423,8 +423,8 @@ impl<const LEN: usize> Node<LEN> {
                     self.say(self.settings.receive_errors.sync_length);
                 }
             }
-        } else if self.rpdos.listen_to(id) {
-            self.handle_rpdo(now, frame, application);
+        } else if let Some(position) = self.rpdos.position(id) {
+            self.handle_rpdo(now, position, frame, application);
         } else if id == cob_id::NMT {
             self.handle_nmt(now, frame);
         } else if Service::ErrorControl.has(id) {
@@ -584,18 +584,25 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+    fn handle_rpdo(
+        &mut self,
+        now: Instant,
+        position: usize,
+        frame: &Frame,
+        application: &mut impl Application,
+    ) {
         if self.state != State::Operational {
             return;
         }
         let late = self.sync.as_ref().is_some_and(Sync::is_window_over);
-        if late && self.rpdos.wait_for_sync(frame.id()) {
+        if late && self.rpdos.waits_for_sync(position) {
             return;
         }
-        let Self { values, tpdos, rpdos, settings, .. } = self;
+        let Self { values, tpdos, rpdos, .. } = self;
         let target = &mut Target { values, tpdos, application };
-        let error = rpdos.handle_frame(now, frame, &settings.receive_errors, target);
-        self.say(error);
+        if let Err(fault) = rpdos.handle_frame(now, position, frame, target) {
+            self.say(fault.emergency(&self.settings.receive_errors));
+        }
         self.transmit_due(now);
         self.wake_by(self.rpdos.due_at().min(self.tpdos.due_at()));
     }

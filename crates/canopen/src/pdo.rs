@@ -3,13 +3,15 @@ mod entry;
 mod mapping;
 mod rpdo;
 mod rpdos;
+mod target;
 mod tpdo;
 mod tpdos;
 mod transmission;
 
 pub(crate) use configuration::check;
 pub use mapping::Mapped;
-pub(crate) use rpdos::{RPDO_MAX, Rpdos, Target};
+pub(crate) use rpdos::{RPDO_MAX, Rpdos};
+pub(crate) use target::Target;
 pub(crate) use tpdos::Tpdos;
 
 /// Which way a PDO goes, as the device sees it.

@@ -21,6 +21,9 @@ pub enum Missing {
 }
 
 impl Slot {
+    /// A place that no dictionary has: there is nothing to read, and nothing is kept.
+    pub const NOWHERE: Self = Self(u16::MAX);
+
     /// The slot with this position, if `dictionary` is that long.
     #[must_use]
     pub fn at(dictionary: &Dictionary, position: u16) -> Option<Self> {

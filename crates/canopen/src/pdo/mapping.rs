@@ -19,12 +19,15 @@ pub(super) type Bytes = [u8; DATA_MAX + size_of::<u32>()];
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Mapping {
     fields: Vec<Field, { MAPPED_MAX as usize }, u8>,
+    /// The lowest and the highest slot of the fields.
+    span: Option<(Slot, Slot)>,
     len: u8,
+    /// Whether an object takes fewer numbers than its type has.
     limited: bool,
 }
 
-/// Where the bytes of one object lie. Objects that the product does not have are no fields: their
-/// bytes are zero when sent and dropped when received.
+/// Where the bytes of one object lie. Those of an object that the product does not have are zero
+/// when sent and dropped when received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Field {
     slot: Slot,
@@ -39,7 +42,7 @@ struct Width(u8);
 /// The numbers that a receive PDO brings.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapped<'a> {
-    fields: &'a [Field],
+    mapping: &'a Mapping,
     bytes: &'a Bytes,
 }
 
@@ -54,19 +57,22 @@ impl Mapping {
             let at = mapping.len;
             let Some(len) = entry.byte_len().filter(|len| at + len <= LEN_MAX) else { break };
             mapping.len += len;
-            let Ok(slot) = dictionary.find(entry.object) else { continue };
-            let Some(row) = dictionary.row(slot) else { continue };
-            let Some(width) = Width::new(len, row.data_type) else { continue };
+            let slot = dictionary.find(entry.object).unwrap_or(Slot::NOWHERE);
+            let row = dictionary.row(slot);
+            let width = Width::new(len, row.map(|row| row.data_type));
             let _ = mapping.fields.push(Field { slot, at, width });
-            mapping.limited |= !row.is_unlimited();
+            if let Some(row) = row {
+                let (lowest, highest) = mapping.span.unwrap_or((slot, slot));
+                mapping.span = Some((lowest.min(slot), highest.max(slot)));
+                mapping.limited |= !row.is_unlimited();
+            }
         }
         mapping
     }
 
     /// The lowest and the highest of the slots it carries.
-    pub(super) fn span(&self) -> Option<(Slot, Slot)> {
-        let slots = || self.fields.iter().map(|field| field.slot);
-        Some((slots().min()?, slots().max()?))
+    pub(super) const fn span(&self) -> Option<(Slot, Slot)> {
+        self.span
     }
 
     pub(super) fn carries(&self, slot: Slot) -> bool {
@@ -78,34 +84,43 @@ impl Mapping {
         self.len
     }
 
-    /// The present values, the first object in the first bytes.
+    /// The present values, the first object in the first bytes. What a word has more than its field
+    /// is overwritten by the next one.
     pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> [u8; DATA_MAX] {
         let mut bytes: Bytes = [0; _];
         for field in &self.fields {
-            let word = field.width.low_bytes(values.raw(field.slot)).to_le_bytes();
-            if let Some(place) = bytes.get_mut(field.start()..).and_then(<[u8]>::first_chunk_mut) {
-                *place = word;
-            }
+            put(&mut bytes, field.at % LEN_MAX, values.raw(field.slot));
         }
+        put(&mut bytes, self.len, 0);
         bytes.first_chunk().copied().unwrap_or_default()
     }
 
     /// Whether all numbers in `bytes` may be written.
+    #[inline]
     pub(super) fn permits(&self, bytes: &Bytes, dictionary: &Dictionary) -> bool {
-        let permitted = |(slot, raw)| dictionary.row(slot).is_some_and(|row| row.permits(raw));
-        !self.limited || self.scatter(bytes).iter().all(permitted)
+        !self.limited || self.rows_permit(bytes, dictionary)
+    }
+
+    fn rows_permit(&self, bytes: &Bytes, dictionary: &Dictionary) -> bool {
+        let permitted = |(slot, raw)| dictionary.row(slot).is_none_or(|row| row.permits(raw));
+        self.scatter(bytes).iter().all(permitted)
     }
 
     /// The numbers in `bytes`.
     pub(super) fn scatter<'a>(&'a self, bytes: &'a Bytes) -> Mapped<'a> {
-        Mapped { fields: &self.fields, bytes }
+        Mapped { mapping: self, bytes }
     }
 }
 
 impl Mapped<'_> {
     /// Each object with its number in 32 bits, in the order of the mapping.
     pub fn iter(&self) -> impl Iterator<Item = (Slot, u32)> {
-        self.fields.iter().map(|field| (field.slot, field.number(self.bytes)))
+        self.mapping.fields.iter().map(|field| (field.slot, field.number(self.bytes)))
+    }
+
+    /// The lowest and the highest of the slots.
+    pub(super) const fn span(&self) -> Option<(Slot, Slot)> {
+        self.mapping.span
     }
 
     /// The number for the object at `slot`. `None` when the PDO does not carry it.
@@ -116,12 +131,8 @@ impl Mapped<'_> {
 }
 
 impl Field {
-    const fn start(self) -> usize {
-        (self.at % LEN_MAX) as usize
-    }
-
     fn number(self, bytes: &Bytes) -> u32 {
-        let word = bytes.get(self.start()..).and_then(<[u8]>::first_chunk);
+        let word = bytes.get(usize::from(self.at % LEN_MAX)..).and_then(<[u8]>::first_chunk);
         self.width.number(word.map_or(0, |word| u32::from_le_bytes(*word)))
     }
 }
@@ -129,40 +140,39 @@ impl Field {
 impl Width {
     const SIGNED: u8 = 1 << 7;
 
-    /// `None` when `len` bytes are no number.
-    const fn new(len: u8, data_type: DataType) -> Option<Self> {
-        let spare = match len {
-            1 => 24,
-            2 => 16,
-            3 => 8,
-            4 => 0,
-            _ => return None,
-        };
-        let sign = match data_type {
-            DataType::Integer8 | DataType::Integer16 | DataType::Integer32 => Self::SIGNED,
-            DataType::Unsigned8
-            | DataType::Unsigned16
-            | DataType::Unsigned32
-            | DataType::VisibleString(_) => 0,
-        };
-        Some(Self(sign | spare))
+    const fn new(len: u8, data_type: Option<DataType>) -> Self {
+        let spare_bits = 32_u8.saturating_sub(8 * len);
+        match data_type {
+            Some(DataType::Integer8 | DataType::Integer16 | DataType::Integer32) => {
+                Self(Self::SIGNED | spare_bits)
+            }
+            Some(
+                DataType::Unsigned8
+                | DataType::Unsigned16
+                | DataType::Unsigned32
+                | DataType::VisibleString(_),
+            )
+            | None => Self(spare_bits),
+        }
     }
 
     const fn spare_bits(self) -> u32 {
         (self.0 % 32) as u32
     }
 
-    /// The low bytes of `word` alone.
-    const fn low_bytes(self, word: u32) -> u32 {
-        word << self.spare_bits() >> self.spare_bits()
-    }
-
     /// The low bytes of `word` as a number.
     const fn number(self, word: u32) -> u32 {
+        let shifted = word << self.spare_bits();
         if self.0 & Self::SIGNED == 0 {
-            self.low_bytes(word)
+            shifted >> self.spare_bits()
         } else {
-            ((word << self.spare_bits()).cast_signed() >> self.spare_bits()).cast_unsigned()
+            (shifted.cast_signed() >> self.spare_bits()).cast_unsigned()
         }
+    }
+}
+
+fn put(bytes: &mut Bytes, at: u8, word: u32) {
+    if let Some(place) = bytes.get_mut(usize::from(at)..).and_then(<[u8]>::first_chunk_mut) {
+        *place = word.to_le_bytes();
     }
 }

@@ -1,7 +1,9 @@
-use object_dictionary::{Dictionary, ObjectId, Values};
+use object_dictionary::{ObjectId, Values};
 use units::{Duration, Instant};
 
-use super::mapping::{Bytes, Mapped, Mapping};
+use super::mapping::{Bytes, Mapping};
+use super::target::Target;
+use crate::application::Application;
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
@@ -16,9 +18,8 @@ pub(super) struct Rpdo {
     number: u16,
     parameters: Parameters,
     mapping: Mapping,
-    received: Bytes,
-    /// Whether the received bytes are still to be taken over.
-    waits: bool,
+    /// Bytes that wait for a SYNC.
+    waiting: Option<Bytes>,
     expires_at: Deadline,
 }
 
@@ -27,7 +28,7 @@ pub(super) struct Rpdo {
 struct Parameters {
     cob_id: CobId,
     reception: Reception,
-    event_time: Duration,
+    event_time_ms: u16,
 }
 
 /// When the values of a receive PDO are taken over (CiA 301, section 7.5.2.35, sub-index 2).
@@ -41,6 +42,14 @@ pub(super) enum Reception {
     Never,
 }
 
+/// What is wrong with a received frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    TooShort,
+    TooLong,
+    Value,
+}
+
 impl Rpdo {
     /// The PDO 0x1400 + `number`. `None` when the product does not have it.
     pub(super) fn new<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
@@ -48,15 +57,9 @@ impl Rpdo {
             number,
             parameters: Parameters::read(number, values)?,
             mapping: Mapping::read(values, MAPPING + number),
-            received: [0; _],
-            waits: false,
+            waiting: None,
             expires_at: Deadline::NEVER,
         })
-    }
-
-    /// Its place among the receive PDOs, from 0.
-    pub(super) const fn number(&self) -> u16 {
-        self.number
     }
 
     /// The identifier it listens to, while it is switched on.
@@ -87,40 +90,58 @@ impl Rpdo {
 
     /// The node is no longer Operational.
     pub(super) fn stop(&mut self) {
-        self.waits = false;
+        self.waiting = None;
         self.expires_at = Deadline::NEVER;
     }
 
-    /// Takes a frame with its identifier. Comes back with what is to be said about it.
-    pub(super) fn handle(
+    /// Takes a frame with its identifier.
+    pub(super) fn handle<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
         frame: &Frame,
-        dictionary: &Dictionary,
-        errors: &ReceiveErrors,
-    ) -> Option<Emergency> {
-        let len = self.mapping.byte_len();
+        target: &mut Target<'_, A, LEN>,
+    ) -> Result<(), Fault> {
+        let (sent, len) = (frame.dlc(), self.mapping.byte_len());
         if len == 0 {
-            return None;
+            return Ok(());
         }
-        if frame.dlc() < len {
-            return errors.too_short;
+        if sent < len {
+            return Err(Fault::TooShort);
         }
-        self.expires_at = Deadline::after(now, self.parameters.event_time);
-        let received = padded(frame);
-        if !self.mapping.permits(&received, dictionary) {
-            return errors.value;
+        if self.parameters.event_time_ms > 0 {
+            let event_time = Duration::from_millis(u64::from(self.parameters.event_time_ms));
+            self.expires_at = Deadline::after(now, event_time);
         }
-        self.received = received;
-        self.waits = true;
-        if frame.dlc() > len { errors.too_long } else { None }
+        let bytes = padded(frame);
+        if !self.mapping.permits(&bytes, target.values.dictionary()) {
+            return Err(Fault::Value);
+        }
+        match self.parameters.reception {
+            Reception::AtOnce => target.take_over(self.number, self.mapping.scatter(&bytes)),
+            Reception::WithSync => self.waiting = Some(bytes),
+            Reception::Never => {}
+        }
+        if sent > len { Err(Fault::TooLong) } else { Ok(()) }
     }
 
-    /// The received values that are to be taken over at `moment`, once.
-    pub(super) fn take(&mut self, moment: Reception) -> Option<Mapped<'_>> {
-        let goes = self.waits && self.parameters.reception == moment;
-        self.waits &= !goes;
-        goes.then(|| self.mapping.scatter(&self.received))
+    /// Takes over what waited for a SYNC.
+    pub(super) fn handle_sync<A: Application, const LEN: usize>(
+        &mut self,
+        target: &mut Target<'_, A, LEN>,
+    ) {
+        if let Some(bytes) = self.waiting.take() {
+            target.take_over(self.number, self.mapping.scatter(&bytes));
+        }
+    }
+
+    /// Whether nothing is to be done later about a frame it has taken.
+    pub(super) fn is_prompt(&self) -> bool {
+        self.parameters.event_time_ms == 0 && self.parameters.reception == Reception::AtOnce
+    }
+
+    /// Whether bytes wait for a SYNC.
+    pub(super) const fn waits(&self) -> bool {
+        self.waiting.is_some()
     }
 
     /// When the next PDO is overdue.
@@ -146,11 +167,23 @@ impl Parameters {
     fn read<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
         let index = COMMUNICATION + number;
         let value = |sub| Some(values.raw(values.dictionary().find(ObjectId { index, sub }).ok()?));
+        let [low, high, ..] = value(5).unwrap_or(0).to_le_bytes();
         Some(Self {
             cob_id: CobId::from_raw(value(1)?),
             reception: Reception::new(value(2)?),
-            event_time: Duration::from_millis(u64::from(value(5).unwrap_or(0))),
+            event_time_ms: u16::from_le_bytes([low, high]),
         })
+    }
+}
+
+impl Fault {
+    /// What is to be said about it.
+    pub(crate) const fn emergency(self, errors: &ReceiveErrors) -> Option<Emergency> {
+        match self {
+            Self::TooShort => errors.too_short,
+            Self::TooLong => errors.too_long,
+            Self::Value => errors.value,
+        }
     }
 }
 
@@ -167,6 +200,9 @@ impl Reception {
 
 /// The data of a frame with room behind it.
 fn padded(frame: &Frame) -> Bytes {
-    let [a, b, c, d, e, f, g, h] = frame.bytes();
-    [a, b, c, d, e, f, g, h, 0, 0, 0, 0]
+    let mut bytes: Bytes = [0; _];
+    if let Some(data) = bytes.first_chunk_mut() {
+        *data = frame.bytes();
+    }
+    bytes
 }

@@ -2,13 +2,11 @@ use heapless::Vec;
 use object_dictionary::Values;
 use units::Instant;
 
-use super::mapping::Mapped;
-use super::rpdo::{Reception, Rpdo};
-use super::tpdos::Tpdos;
-use crate::application::{Application, Written};
+use super::rpdo::{Fault, Rpdo};
+use super::target::Target;
+use crate::application::Application;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
-use crate::settings::{Emergency, ReceiveErrors};
 
 /// Receive PDOs of a device.
 pub(crate) const RPDO_MAX: usize = 4;
@@ -17,14 +15,9 @@ pub(crate) const RPDO_MAX: usize = 4;
 #[derive(Debug)]
 pub(crate) struct Rpdos {
     rpdos: Vec<Rpdo, RPDO_MAX, u8>,
+    /// Whether any received bytes wait for a SYNC.
+    wait: bool,
     expires_at: Deadline,
-}
-
-/// What the values of a receive PDO meet.
-pub(crate) struct Target<'a, A, const LEN: usize> {
-    pub(crate) values: &'a mut Values<LEN>,
-    pub(crate) tpdos: &'a mut Tpdos,
-    pub(crate) application: &'a mut A,
 }
 
 impl Rpdos {
@@ -34,12 +27,13 @@ impl Rpdos {
         for rpdo in (0..).take(RPDO_MAX).filter_map(|number| Rpdo::new(number, values)) {
             let _ = rpdos.push(rpdo);
         }
-        Self { rpdos, expires_at: Deadline::NEVER }
+        Self { rpdos, wait: false, expires_at: Deadline::NEVER }
     }
 
     /// The node is no longer Operational.
     pub(crate) fn stop(&mut self) {
         self.rpdos.iter_mut().for_each(Rpdo::stop);
+        self.wait = false;
         self.expires_at = Deadline::NEVER;
     }
 
@@ -52,7 +46,7 @@ impl Rpdos {
             rpdo.reread(values);
             moved |= before != rpdo.id();
         }
-        self.schedule();
+        self.survey();
         moved
     }
 
@@ -61,46 +55,40 @@ impl Rpdos {
         self.rpdos.iter().filter_map(Rpdo::id)
     }
 
-    /// Whether a data frame with this identifier is one of them.
-    pub(crate) fn listen_to(&self, id: CanId) -> bool {
-        self.rpdos.iter().any(|rpdo| rpdo.listens_to(id))
+    /// The place of the first one that listens to this identifier.
+    pub(crate) fn position(&self, id: CanId) -> Option<usize> {
+        self.rpdos.iter().position(|rpdo| rpdo.listens_to(id))
     }
 
-    /// Whether data frames with this identifier wait for a SYNC.
-    pub(crate) fn wait_for_sync(&self, id: CanId) -> bool {
-        self.rpdos.iter().any(|rpdo| rpdo.listens_to(id) && rpdo.waits_for_sync())
+    /// Whether data frames for the one at `position` wait for a SYNC.
+    pub(crate) fn waits_for_sync(&self, position: usize) -> bool {
+        self.rpdos.get(position).is_some_and(Rpdo::waits_for_sync)
     }
 
-    /// Takes a data frame that is one of them. Comes back with what is to be said about it.
+    /// Takes a data frame for the one at `position`.
     pub(crate) fn handle_frame<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
+        position: usize,
         frame: &Frame,
-        errors: &ReceiveErrors,
         target: &mut Target<'_, A, LEN>,
-    ) -> Option<Emergency> {
-        let mut error = None;
-        for rpdo in self.rpdos.iter_mut().filter(|rpdo| rpdo.listens_to(frame.id())) {
-            error = rpdo.handle(now, frame, target.values.dictionary(), errors);
-            let number = rpdo.number();
-            if let Some(mapped) = rpdo.take(Reception::AtOnce) {
-                target.take_over(number, mapped);
-            }
+    ) -> Result<(), Fault> {
+        let Some(rpdo) = self.rpdos.get_mut(position) else { return Ok(()) };
+        let outcome = rpdo.handle(now, frame, target);
+        if !rpdo.is_prompt() {
+            self.survey();
         }
-        self.schedule();
-        error
+        outcome
     }
 
-    /// Takes a SYNC.
+    /// Takes a SYNC: what waited for it is taken over.
     pub(crate) fn handle_sync<A: Application, const LEN: usize>(
         &mut self,
         target: &mut Target<'_, A, LEN>,
     ) {
-        for rpdo in &mut self.rpdos {
-            let number = rpdo.number();
-            if let Some(mapped) = rpdo.take(Reception::WithSync) {
-                target.take_over(number, mapped);
-            }
+        if self.wait {
+            self.wait = false;
+            self.rpdos.iter_mut().for_each(|rpdo| rpdo.handle_sync(target));
         }
     }
 
@@ -115,29 +103,13 @@ impl Rpdos {
             return None;
         }
         let overdue = self.rpdos.iter_mut().find_map(|rpdo| rpdo.take_expired(now));
-        self.schedule();
+        self.survey();
         overdue
     }
 
-    fn schedule(&mut self) {
+    fn survey(&mut self) {
+        self.wait = self.rpdos.iter().any(Rpdo::waits);
         let due = self.rpdos.iter().map(Rpdo::expires_at).min();
         self.expires_at = due.unwrap_or(Deadline::NEVER);
-    }
-}
-
-impl<A: Application, const LEN: usize> Target<'_, A, LEN> {
-    /// Takes the values of a PDO over, all or none.
-    fn take_over(&mut self, number: u16, mapped: Mapped<'_>) {
-        match self.application.receive(number, &mapped) {
-            Written::Taken => {
-                for (slot, raw) in mapped.iter() {
-                    if self.values.raw(slot) != raw {
-                        self.values.set_raw(slot, raw);
-                        self.tpdos.note_change(slot);
-                    }
-                }
-            }
-            Written::Ignored => {}
-        }
     }
 }

@@ -79,10 +79,15 @@ impl Tpdos {
     /// The value at `slot` changed. What that lets go out is due at once, or when the inhibit time
     /// ends.
     pub(crate) fn note_change(&mut self, slot: Slot) {
-        if self.watched.is_some_and(|(lowest, highest)| lowest <= slot && slot <= highest) {
+        if self.may_watch((slot, slot)) {
             self.tpdos.iter_mut().for_each(|tpdo| tpdo.note_change(slot));
             self.schedule();
         }
+    }
+
+    /// Whether a change of a slot from the first to the second may be an event.
+    pub(super) fn may_watch(&self, (lowest, highest): (Slot, Slot)) -> bool {
+        self.watched.is_some_and(|(first, last)| first <= highest && lowest <= last)
     }
 
     /// The product has an event for the PDO 0x1800 + `number`.
@@ -127,15 +132,25 @@ impl Tpdos {
     }
 
     /// Lets go out what is due.
+    #[inline]
     pub(crate) fn transmit_due<const LEN: usize>(
         &mut self,
         now: Instant,
         values: &Values<LEN>,
         outbox: &mut Outbox,
     ) {
-        if !self.due_at.is_due(now) {
-            return;
+        if self.due_at.is_due(now) {
+            self.transmit_all_due(now, values, outbox);
         }
+    }
+
+    #[inline(never)]
+    fn transmit_all_due<const LEN: usize>(
+        &mut self,
+        now: Instant,
+        values: &Values<LEN>,
+        outbox: &mut Outbox,
+    ) {
         for tpdo in self.tpdos.iter_mut().filter(|tpdo| tpdo.due_at().is_due(now)) {
             if let Some(frame) = tpdo.transmit(now, values) {
                 outbox.supersede(frame);

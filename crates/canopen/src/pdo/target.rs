@@ -1,0 +1,33 @@
+use object_dictionary::Values;
+
+use super::mapping::Mapped;
+use super::tpdos::Tpdos;
+use crate::application::{Application, Written};
+
+/// What the numbers of a receive PDO meet.
+pub(crate) struct Target<'a, A, const LEN: usize> {
+    pub(crate) values: &'a mut Values<LEN>,
+    pub(crate) tpdos: &'a mut Tpdos,
+    pub(crate) application: &'a mut A,
+}
+
+impl<A: Application, const LEN: usize> Target<'_, A, LEN> {
+    /// Takes the numbers of a PDO over, all or none. Only those that a transmit PDO may follow are
+    /// compared with what they were.
+    pub(super) fn take_over(&mut self, number: u16, mapped: Mapped<'_>) {
+        match self.application.receive(number, &mapped) {
+            Written::Taken if mapped.span().is_some_and(|span| self.tpdos.may_watch(span)) => {
+                for (slot, raw) in mapped.iter() {
+                    if self.values.raw(slot) != raw {
+                        self.values.set_raw(slot, raw);
+                        self.tpdos.note_change(slot);
+                    }
+                }
+            }
+            Written::Taken => {
+                mapped.iter().for_each(|(slot, raw)| self.values.set_raw(slot, raw));
+            }
+            Written::Ignored => {}
+        }
+    }
+}
