@@ -20,22 +20,26 @@ const LSS_RESPONSE: u16 = 0x7E4;
 const LSS_REQUEST: u16 = 0x7E5;
 
 static LSS: lss::Settings = lss::Settings::CIA_305;
-static ALL_SERVICES: Settings = Settings {
-    block_transfer: canopen::BlockTransfer::Served,
-    lss: Some(&LSS),
-    ..Settings::CIA_301
+static ALL_SERVICES: Settings = Settings { lss: Some(&LSS), ..dev1::SETTINGS };
+
+const NM17X: Subject = Subject {
+    dictionary: &device::DICTIONARY,
+    settings: &device::SETTINGS,
+    node_id: device::NODE_ID,
 };
+const DEV1: Subject =
+    Subject { dictionary: &dev1::DICTIONARY, settings: &ALL_SERVICES, node_id: dev1::NODE_ID };
+
+/// The transmission type of a PDO that is sent on request, with what was true at the last SYNC.
+const SAMPLED_AT_SYNC: u32 = 252;
 
 /// Lets a node meet what `input` says.
 pub fn converse(input: &[u8]) {
     let mut bytes = Bytes::new(input);
-    let Some(settings) = bytes.pick(&[&device::SETTINGS, &Settings::CIA_301, &ALL_SERVICES]) else {
-        return;
-    };
-    let subject = Subject { dictionary: &device::DICTIONARY, settings, node_id: device::NODE_ID };
-    let mut watch = Watch::<{ device::LEN }>::new(subject);
-    while let Some(step) = watch.next(&mut bytes) {
-        watch.run(step);
+    match bytes.u8() {
+        Some(0..=99) => Watch::<{ device::LEN }>::new(NM17X).run(&mut bytes),
+        Some(100..) => Watch::<{ dev1::LEN }>::new(DEV1).run(&mut bytes),
+        None => {}
     }
 }
 
@@ -270,7 +274,13 @@ impl<const LEN: usize> Watch<LEN> {
         object.index >= 0x2000
     }
 
-    fn run(&mut self, step: Step) {
+    fn run(&mut self, bytes: &mut Bytes<'_>) {
+        while let Some(step) = self.next(bytes) {
+            self.take(step);
+        }
+    }
+
+    fn take(&mut self, step: Step) {
         match step {
             Step::Receive(frame) => self.receive(&frame),
             Step::Set { slot, raw } => {
@@ -483,12 +493,17 @@ impl<const LEN: usize> Watch<LEN> {
     /// A process data object has the values of what it maps.
     fn check_pdo(&self, frame: &Frame) {
         assert_eq!(self.state, State::Operational, "{frame:02X?}");
-        let numbers = (0..512_u16).filter(|number| {
-            let cob_id = self.value(ObjectId { index: 0x1800 + number, sub: 1 });
+        let value = |index, sub| self.value(ObjectId { index, sub });
+        let mut pdos = (0..4_u16).filter(|number| {
+            let cob_id = value(0x1800 + number, 1);
             cob_id.is_some_and(|cob_id| valid(cob_id) == Some(frame.id().get()))
         });
-        let mut wanted = numbers.map(|number| self.mapped(0x1A00 + number));
-        assert!(wanted.any(|data| data == frame.data()), "{frame:02X?}");
+        let fits = |number| {
+            let data = self.mapped(0x1A00 + number);
+            let is_older = value(0x1800 + number, 2) == Some(SAMPLED_AT_SYNC);
+            data == frame.data() || is_older && data.len() == frame.data().len()
+        };
+        assert!(pdos.any(fits), "{frame:02X?}");
     }
 
     fn mapped(&self, index: u16) -> Vec<u8> {
@@ -523,6 +538,8 @@ impl<const LEN: usize> Watch<LEN> {
         let cob_ids = rows
             .filter(|id| id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1);
         ids.extend(cob_ids.filter_map(|id| valid(self.value(id)?)));
+        let sync = self.value(ObjectId { index: 0x1005, sub: 0 });
+        ids.extend(sync.filter(|sync| sync & 1 << 30 != 0).map(|sync| (sync & 0x7FF) as u16));
         ids
     }
 

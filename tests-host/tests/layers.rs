@@ -33,7 +33,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("twin",              &["application", "canopen", "interface", "lcd", "profiles", "shared-proto", "units", "world"]),
     ("bench",             &["emulated", "twin", "units", "world"]),
     // Tests and tools
-    ("tests-fuzz",        &["canopen", "object-dictionary", "shared-proto", "units"]),
+    ("tests-fuzz",        &["canopen", "dev1", "object-dictionary", "shared-proto", "units"]),
     ("tests-host",        &["emulated", "units", "world"]),
     ("tests-qemu",        &["canopen", "object-dictionary", "positioning", "shared-proto", "units"]),
     ("perf-dev1",         &["canopen", "dev1", "object-dictionary", "units"]),
