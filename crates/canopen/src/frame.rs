@@ -76,11 +76,18 @@ impl Frame {
     #[must_use]
     #[inline]
     pub const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
-        if len >= 8 {
-            return Self::full(id, data);
-        }
-        let kept = u64::from_le_bytes(data) & !(u64::MAX << (8 * len));
-        Self { id, remote: false, len, data: kept.to_le_bytes() }
+        let [a, b, c, d, e, f, g, h] = data;
+        let (low, high) = match len {
+            0 => (0, 0),
+            1..=4 => (u32::from_le_bytes([a, b, c, d]) & u32::MAX >> (32 - 8 * len), 0),
+            5..=7 => (
+                u32::from_le_bytes([a, b, c, d]),
+                u32::from_le_bytes([e, f, g, h]) & u32::MAX >> (64 - 8 * len),
+            ),
+            8.. => return Self::full(id, data),
+        };
+        let ([a, b, c, d], [e, f, g, h]) = (low.to_le_bytes(), high.to_le_bytes());
+        Self { id, remote: false, len, data: [a, b, c, d, e, f, g, h] }
     }
 
     /// The identifier.

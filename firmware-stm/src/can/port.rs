@@ -7,7 +7,7 @@
 //! others (no priority inversion). Taking back never waits: a frame that is on the wire already ends
 //! as sent, up to 13 ms later at 10 kbit/s.
 use bxcan::{Can, Interrupts};
-use canopen::{Accepted, Frame};
+use canopen::{Accepted, CanId, Frame};
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::peripherals::{CAN1, PD0, PD1};
 use embassy_stm32::{Peri, rcc};
@@ -124,33 +124,25 @@ impl Port {
         if !self.joined {
             return Err(Busy);
         }
-        // Behind the frames with the same identifier.
-        let mut free = None;
-        let mut taken = 0;
-        for place in self.mailboxes.iter_mut().enumerate() {
-            match place.1 {
-                None => free = free.or(Some(place)),
-                Some(pending) => {
-                    taken += 1;
-                    if pending.frame.id() == frame.id() {
-                        free = None;
-                    }
-                }
-            }
-        }
-        let Some((index, place)) = free else {
-            if taken == MAILBOXES {
+        let index = match &self.mailboxes {
+            [None, None, None] => 0,
+            mailboxes => place_behind(mailboxes, frame.id()).ok_or_else(|| {
                 self.make_room(frame);
-            }
-            return Err(Busy);
+                Busy
+            })?,
         };
         registers::request(index, frame);
-        *place = Some(Pending { frame: *frame, aborted: false });
+        if let Some(place) = self.mailboxes.get_mut(index) {
+            *place = Some(Pending { frame: *frame, aborted: false });
+        }
         Ok(())
     }
 
-    /// Takes the least urgent pending frame back if `wanted` is more urgent.
+    /// Takes the least urgent pending frame back if there is no room and `wanted` is more urgent.
     fn make_room(&mut self, wanted: &Frame) {
+        if self.mailboxes.iter().any(Option::is_none) {
+            return;
+        }
         let pending = self.mailboxes.iter_mut().enumerate();
         let least = pending
             .filter_map(|(index, slot)| slot.as_mut().map(|pending| (index, pending)))
@@ -183,6 +175,13 @@ impl Port {
         registers::acknowledge_error_state();
         registers::error_state()
     }
+}
+
+/// An empty mailbox behind all that hold a frame with the same identifier.
+fn place_behind(mailboxes: &[Option<Pending>; MAILBOXES], id: CanId) -> Option<usize> {
+    let same = |slot: &Option<Pending>| slot.as_ref().is_some_and(|held| held.frame.id() == id);
+    let first = mailboxes.iter().rposition(same).map_or(0, |last| last + 1);
+    mailboxes.iter().skip(first).position(Option::is_none).map(|index| first + index)
 }
 
 fn reset_controller_registers() -> Controller {
