@@ -9,9 +9,11 @@
 
 mod bus;
 mod cia_301;
+mod configurable;
 mod device;
 mod emergency;
 mod guarding;
+mod mapping;
 mod monitor;
 mod nmt;
 mod pdo;
@@ -20,6 +22,7 @@ mod script;
 mod sdo;
 mod sync;
 mod time;
+mod transmission;
 mod transmit;
 mod vectors;
 

@@ -1,7 +1,7 @@
 //! Runs a node through a script and writes down everything it does.
 //!
 //! A script has one step a line: `MS boot`, `MS < ID BYTES`, `MS remote ID LEN`,
-//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`, `MS overrun`,
+//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`, `MS overrun`, `MS trigger PDO`,
 //! `MS end`. Between the steps the clock jumps from deadline to
 //! deadline. The transcript has `<` for what the node receives, `>` for what it sends and `*` for
 //! its events; a frame is written as ID, length and bytes.
@@ -78,6 +78,7 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
                 let code = u16::from_str_radix(code, 16).expect("hexadecimal");
                 self.node.send_emergency(code, [0xA1, 0xA2, 0, 0, hex(sub_code)]);
             }
+            "trigger" => self.node.trigger_tpdo(self.now, rest.parse().expect("a number")),
             "bus" => self.node.handle_bus(self.now, bus_state(rest)),
             "overrun" => self.node.handle_overrun(),
             "end" => {}
