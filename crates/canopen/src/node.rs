@@ -78,6 +78,8 @@ pub struct Node<const LEN: usize> {
     screen: Screen,
     /// Nothing is due before.
     wake_at: Deadline,
+    /// Whether there are events, or other filters.
+    has_news: bool,
     filters_changed: bool,
     events: Deque<Event, EVENTS_MAX>,
 }
@@ -170,6 +172,7 @@ impl<const LEN: usize> Node<LEN> {
             outbox: Outbox::default(),
             screen: Screen::CLOSED,
             wake_at: Deadline::NEVER,
+            has_news: false,
             filters_changed: false,
             events: Deque::new(),
             values,
@@ -186,7 +189,7 @@ impl<const LEN: usize> Node<LEN> {
             .settings
             .lss
             .map(|settings| lss::Slave::new(settings, self.identity(), Some(self.node_id)));
-        self.outbox.push_boot_up(self.boot_up());
+        self.outbox.push(self.boot_up());
         self.heartbeat.start(now);
         self.enter(now, State::PreOperational);
         self.listen();
@@ -241,11 +244,13 @@ impl<const LEN: usize> Node<LEN> {
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
     #[must_use]
+    #[inline]
     pub fn peek_transmit(&self) -> Option<&Frame> {
         self.outbox.peek()
     }
 
     /// Takes the frame out that [`Self::peek_transmit`] shows.
+    #[inline]
     pub fn take_transmit(&mut self) -> Option<Frame> {
         let frame = self.outbox.take()?;
         if frame.id() == Service::SdoResponse.id(self.node_id) {
@@ -257,11 +262,7 @@ impl<const LEN: usize> Node<LEN> {
     /// Takes a frame back that a more urgent one pushed out of its mailbox. It goes before those
     /// with the same identifier.
     pub fn give_back(&mut self, frame: Frame) {
-        if frame == self.boot_up() {
-            self.outbox.push_boot_up(frame);
-        } else {
-            self.outbox.give_back(frame);
-        }
+        self.outbox.give_back(frame);
     }
 
     /// Sets the errors of the device; with those of the stack they are the error register, 0x1001.
@@ -308,16 +309,9 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// What happened, the oldest first.
+    #[inline]
     pub fn poll_event(&mut self) -> Option<Event> {
-        if let Some(event) = self.events.pop_front() {
-            return Some(event);
-        }
-        if core::mem::take(&mut self.filters_changed) {
-            return Some(Event::FiltersChanged);
-        }
-        let lost = self.outbox.take_overflow()?;
-        self.say(self.settings.bus.overflow);
-        Some(Event::TransmitOverflow { lost })
+        if self.has_news || self.outbox.has_overflowed() { self.next_event() } else { None }
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.
@@ -409,23 +403,40 @@ impl<const LEN: usize> Node<LEN> {
 }
 
 impl<const LEN: usize> Node<LEN> {
+    #[inline(never)]
+    fn next_event(&mut self) -> Option<Event> {
+        if let Some(event) = self.events.pop_front() {
+            return Some(event);
+        }
+        if core::mem::take(&mut self.filters_changed) {
+            return Some(Event::FiltersChanged);
+        }
+        self.has_news = false;
+        let lost = self.outbox.take_overflow()?;
+        self.say(self.settings.bus.overflow);
+        Some(Event::TransmitOverflow { lost })
+    }
+
+    /// Hands a frame to who listens to it, the frequent ones first. The handlers are functions of
+    /// their own: none pays for the registers and the stack of another.
+    #[inline(never)]
     fn dispatch(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
         let id = frame.id();
         if frame.is_remote() {
             self.handle_remote(now, id);
         } else if id == Service::SdoRequest.id(self.node_id) {
             self.handle_sdo(now, frame, application);
-        } else if let Some(sync) = self.sync.as_mut().filter(|sync| sync.id() == id) {
-            match sync.receive(frame) {
-                sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
-                sync::Received::Nothing => {}
-                sync::Received::UnexpectedLength => {
-                    self.say(self.settings.receive_errors.sync_length);
-                }
-            }
-        } else if let Some(position) = self.rpdos.position(id) {
-            self.handle_rpdo(now, position, frame, application);
-        } else if id == cob_id::NMT {
+        } else if self.sync.as_ref().is_some_and(|sync| sync.id() == id) {
+            self.receive_sync(now, frame, application);
+        } else {
+            self.handle_rpdo(now, frame, application);
+        }
+    }
+
+    #[inline(never)]
+    fn handle_rare(&mut self, now: Instant, frame: &Frame) {
+        let id = frame.id();
+        if id == cob_id::NMT {
             self.handle_nmt(now, frame);
         } else if Service::ErrorControl.has(id) {
             self.handle_heartbeat(now, frame);
@@ -437,6 +448,7 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    #[inline(never)]
     fn handle_remote(&mut self, now: Instant, id: CanId) {
         if id == Service::ErrorControl.id(self.node_id) {
             self.handle_guarding(now);
@@ -479,6 +491,7 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    #[inline(never)]
     fn handle_sdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
         if !self.state.serves_sdo() {
             return;
@@ -540,6 +553,16 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    #[inline(never)]
+    fn receive_sync(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+        let Some(sync) = &mut self.sync else { return };
+        match sync.receive(frame) {
+            sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
+            sync::Received::UnexpectedLength => self.say(self.settings.receive_errors.sync_length),
+            sync::Received::Nothing => {}
+        }
+    }
+
     /// What waited for the SYNC is taken over before PDOs go out with it.
     fn handle_sync(
         &mut self,
@@ -553,12 +576,18 @@ impl<const LEN: usize> Node<LEN> {
         let Self { values, tpdos, rpdos, outbox, .. } = self;
         rpdos.handle_sync(&mut Target { values, tpdos, application });
         tpdos.handle_sync(counter, values, outbox);
-        tpdos.transmit_due(now, values, outbox);
-        let mut due_at = tpdos.due_at();
-        if let Some(sync) = &mut self.sync {
-            due_at = due_at.min(sync.open_window(now));
+        self.follow_values(now);
+        if let Some(window_ends_at) = self.sync.as_mut().and_then(|sync| sync.open_window(now)) {
+            self.wake_by(window_ends_at);
         }
-        self.wake_by(due_at);
+    }
+
+    /// Values changed: what is due now goes out, and what follows later is not missed.
+    fn follow_values(&mut self, now: Instant) {
+        if self.tpdos.due_at() < self.wake_at {
+            self.transmit_due(now);
+            self.wake_by(self.tpdos.due_at());
+        }
     }
 
     fn produce_sync(&mut self, now: Instant, application: &mut impl Application) {
@@ -584,13 +613,11 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn handle_rpdo(
-        &mut self,
-        now: Instant,
-        position: usize,
-        frame: &Frame,
-        application: &mut impl Application,
-    ) {
+    #[inline(never)]
+    fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+        let Some(position) = self.rpdos.position(frame.id()) else {
+            return self.handle_rare(now, frame);
+        };
         if self.state != State::Operational {
             return;
         }
@@ -603,8 +630,8 @@ impl<const LEN: usize> Node<LEN> {
         if let Err(fault) = rpdos.handle_frame(now, position, frame, target) {
             self.say(fault.emergency(&self.settings.receive_errors));
         }
-        self.transmit_due(now);
-        self.wake_by(self.rpdos.due_at().min(self.tpdos.due_at()));
+        self.follow_values(now);
+        self.wake_by(self.rpdos.due_at());
     }
 
     fn report_overdue(&mut self, now: Instant) {
@@ -863,7 +890,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn change_filters(&mut self) {
-        self.filters_changed = true;
+        (self.has_news, self.filters_changed) = (true, true);
         match self.state {
             State::Initialising => {}
             State::PreOperational | State::Operational | State::Stopped => self.listen(),
@@ -926,6 +953,7 @@ impl<const LEN: usize> Node<LEN> {
             self.events.pop_front();
         }
         let _ = self.events.push_back(event);
+        self.has_news = true;
     }
 
     fn value(&self, object: ObjectId) -> u32 {

@@ -2,6 +2,7 @@ use core::mem;
 
 use heapless::Vec;
 
+use crate::cob_id::Service;
 use crate::frame::{CanId, Frame};
 
 /// Frames that may wait for a transmit mailbox at the same time.
@@ -14,10 +15,9 @@ pub const TRANSMIT_MAX: usize = 16;
 /// goes before all others although its identifier is high: it tells that there is a node at all.
 #[derive(Debug, Default)]
 pub(crate) struct Outbox {
-    boot_up: Option<Frame>,
     frames: Vec<Frame, TRANSMIT_MAX, u8>,
-    lost: u32,
     overflow: Overflow,
+    lost: u32,
 }
 
 /// An overflow is reported once, until all frames are gone: the report may itself send a frame.
@@ -30,62 +30,74 @@ enum Overflow {
 }
 
 impl Outbox {
-    /// Adds the boot-up message.
-    pub(crate) fn push_boot_up(&mut self, frame: Frame) {
-        self.boot_up = Some(frame);
-    }
-
-    /// Whether the boot-up message still waits.
-    pub(crate) const fn holds_boot_up(&self) -> bool {
-        self.boot_up.is_some()
-    }
-
     /// Adds a frame behind those with the same identifier.
+    #[inline]
     pub(crate) fn push(&mut self, frame: Frame) {
-        self.insert(frame, |waiting| waiting.id() <= frame.id());
+        if self.frames.is_empty() {
+            let _ = self.frames.push(frame);
+        } else {
+            self.queue(frame);
+        }
     }
 
     /// Adds a frame and drops an equal one that waits: it says nothing else.
     pub(crate) fn push_once(&mut self, frame: Frame) {
-        self.frames.retain(|waiting| *waiting != frame);
+        self.retain(|waiting| *waiting != frame);
         self.push(frame);
     }
 
     /// Puts a frame back that a more urgent one pushed out of a mailbox: in front of those with the
     /// same identifier.
     pub(crate) fn give_back(&mut self, frame: Frame) {
-        self.insert(frame, |waiting| waiting.id() < frame.id());
+        self.insert(frame, |waiting| urgency(waiting) < urgency(&frame));
     }
 
-    /// Adds a frame in place of the newest one with the same identifier, if one waits.
+    /// Adds a frame in place of the newest one with the same identifier, if one waits. A boot-up
+    /// message stays.
+    #[inline]
     pub(crate) fn supersede(&mut self, frame: Frame) {
-        match self.frames.iter_mut().find(|waiting| waiting.id() == frame.id()) {
+        if self.frames.is_empty() {
+            let _ = self.frames.push(frame);
+        } else {
+            self.replace(frame);
+        }
+    }
+
+    #[inline(never)]
+    fn queue(&mut self, frame: Frame) {
+        self.insert(frame, |waiting| urgency(waiting) <= urgency(&frame));
+    }
+
+    #[inline(never)]
+    fn replace(&mut self, frame: Frame) {
+        match self.frames.iter_mut().find(|waiting| urgency(waiting) == urgency(&frame)) {
             Some(older) => *older = frame,
-            None => self.push(frame),
+            None => self.queue(frame),
         }
     }
 
     /// Drops all frames.
     pub(crate) fn clear(&mut self) {
-        self.boot_up = None;
         self.frames.clear();
     }
 
-    /// Drops the waiting frames that are not to be kept, the boot-up message excepted.
+    /// Drops the waiting frames that are not to be kept.
     pub(crate) fn retain(&mut self, keep: impl FnMut(&Frame) -> bool) {
         self.frames.retain(keep);
     }
 
+    #[inline]
     pub(crate) fn peek(&self) -> Option<&Frame> {
-        self.boot_up.as_ref().or(self.frames.last())
+        self.frames.last()
     }
 
+    #[inline]
     pub(crate) fn take(&mut self) -> Option<Frame> {
-        let frame = self.boot_up.take().or_else(|| self.frames.pop());
+        let frame = self.frames.pop()?;
         if self.overflow == Overflow::Reported && self.frames.is_empty() {
             self.overflow = Overflow::None;
         }
-        frame
+        Some(frame)
     }
 
     /// Whether a frame with this identifier waits.
@@ -93,9 +105,20 @@ impl Outbox {
         self.frames.iter().any(|frame| frame.id() == id)
     }
 
+    /// Whether the boot-up message still waits.
+    pub(crate) fn holds_boot_up(&self) -> bool {
+        self.frames.last().is_some_and(|frame| urgency(frame) == BOOT_UP)
+    }
+
+    /// Whether an overflow is to be reported.
+    #[inline]
+    pub(crate) fn has_overflowed(&self) -> bool {
+        self.overflow == Overflow::Unreported
+    }
+
     /// How many frames were dropped so far because the list was full, if that is to be reported.
     pub(crate) fn take_overflow(&mut self) -> Option<u32> {
-        (self.overflow == Overflow::Unreported).then(|| {
+        self.has_overflowed().then(|| {
             self.overflow = Overflow::Reported;
             self.lost
         })
@@ -122,6 +145,15 @@ impl Outbox {
     }
 }
 
+/// The urgency of the boot-up message: no other frame of a device has the identifier 0.
+const BOOT_UP: u16 = 0;
+
+/// What goes first has less.
+fn urgency(frame: &Frame) -> u16 {
+    let is_boot_up = Service::ErrorControl.has(frame.id()) && frame.data() == [0];
+    if is_boot_up { BOOT_UP } else { frame.id().get() }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -145,7 +177,7 @@ mod tests {
         }
         outbox.give_back(frame(0x580, 0));
         outbox.supersede(frame(0x180, 9));
-        outbox.push_boot_up(frame(0x77F, 0));
+        outbox.push(frame(0x77F, 0));
         outbox.push_once(frame(0x700, 1));
         let order =
             [(0x77F, 0), (0x180, 9), (0x580, 0), (0x580, 1), (0x580, 2), (0x700, 2), (0x700, 1)];

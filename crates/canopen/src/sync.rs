@@ -101,6 +101,7 @@ impl Sync {
         let kind = |sync: &Self| (sync.id, sync.lengths, sync.period);
         if kind(self) == kind(&again) {
             self.window = again.window;
+            self.close_window();
         } else {
             *self = again;
         }
@@ -122,8 +123,7 @@ impl Sync {
     /// Produces nothing, and no window is open.
     pub(crate) fn stop(&mut self) {
         self.due_at = Deadline::NEVER;
-        self.window_ends_at = Deadline::NEVER;
-        self.is_window_over = false;
+        self.close_window();
     }
 
     /// Takes a data frame with its identifier.
@@ -142,11 +142,18 @@ impl Sync {
         Received::Sync { counter }
     }
 
-    /// A SYNC came: its window opens. When that ends.
-    pub(crate) fn open_window(&mut self, now: Instant) -> Deadline {
-        self.window_ends_at = Deadline::after(now, self.window);
+    /// A SYNC came: its window opens. When that ends, if there is one.
+    pub(crate) fn open_window(&mut self, now: Instant) -> Option<Deadline> {
+        (self.window > Duration::ZERO).then(|| {
+            self.is_window_over = false;
+            self.window_ends_at = Deadline::after(now, self.window);
+            self.window_ends_at
+        })
+    }
+
+    fn close_window(&mut self) {
+        self.window_ends_at = Deadline::NEVER;
         self.is_window_over = false;
-        self.window_ends_at
     }
 
     /// Whether the window of the last SYNC is over.
