@@ -36,7 +36,7 @@ struct State {
 enum Order {
     Forget,
     Store { key: u32, number: u32 },
-    StoreSet(NumberSet),
+    StoreSet,
     Confirm(u8),
     Restart,
 }
@@ -108,10 +108,14 @@ impl RecordQueue {
             {
                 return Some(Order::Store { key, number });
             }
-            let set = state.set.take().map(Order::StoreSet);
+            let set = state.set.is_some().then_some(Order::StoreSet);
             set.or_else(|| state.confirm.take().map(Order::Confirm))
                 .or_else(|| state.restart.then_some(Order::Restart))
         })
+    }
+
+    fn take_set(&self) -> Option<NumberSet> {
+        self.state.lock(|state| state.borrow_mut().set.take())
     }
 
     /// Stores what is put in, and restarts when asked to. `confirm` is told the numbers that are to
@@ -127,7 +131,10 @@ impl RecordQueue {
                 let outcome = match order {
                     Order::Forget => parameters.forget().await,
                     Order::Store { key, number } => parameters.keep(key, number).await,
-                    Order::StoreSet(set) => parameters.keep_set(&set).await,
+                    Order::StoreSet => match self.take_set() {
+                        Some(set) => parameters.keep_set(&set).await,
+                        None => Outcome::Stored,
+                    },
                     Order::Confirm(number) => {
                         let failed = core::mem::take(&mut failed);
                         confirm(number, if failed { Outcome::Failed } else { Outcome::Stored });

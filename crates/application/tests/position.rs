@@ -3,7 +3,7 @@
 mod rig;
 
 use object_dictionary::Object;
-use profiles::nm17x;
+use profiles::{nm17x, nm170};
 use rig::{CYCLE, MIDDLE, Rig, TURN};
 
 /// Position reported after the shaft rested at `word` for a while.
@@ -164,4 +164,24 @@ fn the_status_word_follows_keys_arrows_and_errors() {
     rig.turn_to(0);
     rig.steps(20);
     assert_eq!((rig.process().status, rig.process().errors), (0x5000, 2));
+}
+
+/// NM17x GEN-03, STAT-13, OD-1002-1, A-37: a device without keys and motor says of itself whether its
+/// arrows are visible, and nothing else, beyond its range and with keys down that it does not have.
+#[test]
+fn a_device_without_motor_has_its_arrows() {
+    let mut rig = Rig::of(&nm170::PRODUCT);
+    rig.step();
+    rig.greet();
+    rig.inputs.left_key = true;
+    rig.write(&nm17x::PRESET, 999_999);
+    rig.turn_to(MIDDLE + TURN);
+    rig.steps(4 * CYCLE);
+    let process = rig.process();
+    assert_eq!(process.position_hundredths_mm, 1_000_399);
+    assert_eq!((process.status, process.errors), (0x1000, 0));
+    rig.write(&nm17x::STANDARD_SETPOINT, 999_999);
+    rig.turn_to(MIDDLE);
+    rig.steps(4 * CYCLE);
+    assert_eq!(rig.process().status, 0);
 }

@@ -8,7 +8,7 @@ use std::num::NonZeroU32;
 use application::{Application, Boot, Inputs, STEP};
 use object_dictionary::{Number, Object, ObjectId};
 use profiles::nm17x::between_controllers::MESSAGE_PARTS;
-use profiles::nm172;
+use profiles::{Product, nm172};
 use shared_proto::{
     Encoded, Hello, NodeState, PROTOCOL, ProcessData, Receiver, Supervision, ToApplication,
     ToInterface, Urgency, Urgent, Write, encode,
@@ -26,6 +26,7 @@ pub(crate) const OWN_NONCE: u32 = 0xA0;
 pub(crate) const PARTNER_NONCE: u32 = 0xB0;
 
 pub(crate) struct Rig {
+    product: &'static Product,
     pub(crate) application: Application,
     pub(crate) now: Instant,
     pub(crate) inputs: Inputs,
@@ -43,19 +44,25 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Delivered today, the encoder in the middle of its range.
+    /// An NM172, delivered today, the encoder in the middle of its range.
     pub(crate) fn new() -> Self {
+        Self::of(&nm172::PRODUCT)
+    }
+
+    /// Any product, delivered today.
+    pub(crate) fn of(product: &'static Product) -> Self {
         let partner = Hello {
             protocol: PROTOCOL,
-            product: 0x71,
-            firmware: 105,
-            dictionary: nm172::FINGERPRINT,
+            product: product.code,
+            firmware: product.firmware,
+            dictionary: product.fingerprint,
             nonce: PARTNER_NONCE,
             heard: OWN_NONCE,
             in_service: true,
         };
         let mut rig = Self {
-            application: started(OWN_NONCE, &BTreeMap::new()),
+            product,
+            application: started(product, OWN_NONCE, &BTreeMap::new()),
             now: Instant::ZERO,
             inputs: Inputs::default(),
             storage: BTreeMap::new(),
@@ -167,7 +174,7 @@ impl Rig {
     /// Takes the supply away and gives it back.
     pub(crate) fn restart(&mut self) {
         self.starts += 1;
-        self.application = started(OWN_NONCE + self.starts, &self.storage);
+        self.application = started(self.product, OWN_NONCE + self.starts, &self.storage);
         self.now = Instant::ZERO;
         self.partner.heard = OWN_NONCE + self.starts;
         self.sequence = 0;
@@ -204,9 +211,9 @@ pub(crate) fn stop(number: u8) -> ToApplication {
     ToApplication::Urgent(SUPERVISION, Urgent { number, urgency: Urgency::MotorStop })
 }
 
-fn started(nonce: u32, storage: &BTreeMap<u32, u32>) -> Application {
+fn started(product: &'static Product, nonce: u32, storage: &BTreeMap<u32, u32>) -> Application {
     let boot = Boot { nonce: NonZeroU32::new(nonce).expect("a nonce is not 0") };
-    Application::new(&nm172::PRODUCT, boot, storage.iter().map(|(key, value)| (*key, *value)))
+    Application::new(product, boot, storage.iter().map(|(key, value)| (*key, *value)))
 }
 
 fn describe(message: &ToInterface) -> String {

@@ -1,6 +1,7 @@
 //! The devices of the family as masters see them.
 
 mod display;
+mod errors;
 mod lss;
 mod pdo;
 mod script;
@@ -190,7 +191,7 @@ fn network_management() {
     "#]]);
 }
 
-/// NM17x STORE-07, ADDR-02: node-ID and bit rate are saved at once and act after a restart.
+/// NM17x STORE-07, ADDR-02, OD-2101-1: node-ID and bit rate are saved at once and act after a restart.
 #[test]
 fn a_new_node_id_acts_after_a_restart() {
     let mut script = Script::booted();
