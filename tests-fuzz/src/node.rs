@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use canopen::{
-    Application, CanId, Event, Frame, Mapped, Node, NodeId, ReadError, Settings, State,
-    TRANSMIT_MAX, WriteError, Written, lss,
+    Application, BlockTransfer, CanId, Event, Frame, Mapped, Node, NodeId, ReadError, Settings,
+    State, TRANSMIT_MAX, WriteError, Written, lss,
 };
 use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 use units::{Duration, Instant};
@@ -69,6 +69,7 @@ enum Step {
     },
     Mood(Mood),
     Bus(Bus),
+    Stored(Result<(), WriteError>),
     /// A frame leaves its mailbox again, as for a more urgent one.
     GiveBack,
 }
@@ -77,6 +78,13 @@ enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Bus {
     Free,
+    Busy,
+}
+
+/// What the storage does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Storage {
+    Idle,
     Busy,
 }
 
@@ -90,6 +98,8 @@ enum Mood {
 }
 
 impl Application for Mood {
+    const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
+
     fn read(&mut self, _slot: Slot, _row: &Row) -> Result<(), ReadError> {
         match self {
             Self::Unreadable(error) => Err(*error),
@@ -135,6 +145,12 @@ struct Watch<const LEN: usize> {
     own: BTreeSet<u16>,
     /// SDO answers that are still owed at most.
     sdo_owed: usize,
+    /// The first byte of the last SDO answer.
+    sdo_answered: u8,
+    /// Commands to store or restore so far.
+    storage_commands: usize,
+    /// Whether the storage has such a command to do.
+    storage: Storage,
     /// LSS answers that are still owed at most.
     lss_owed: usize,
 }
@@ -152,6 +168,9 @@ impl<const LEN: usize> Watch<LEN> {
             stale: false,
             own: BTreeSet::new(),
             sdo_owed: 0,
+            sdo_answered: 0,
+            storage_commands: 0,
+            storage: Storage::Idle,
             lss_owed: 0,
         };
         watch.boot();
@@ -162,6 +181,7 @@ impl<const LEN: usize> Watch<LEN> {
         let Subject { dictionary, settings, node_id } = self.subject;
         self.node = Node::new(dictionary, node_id, settings);
         self.booted = false;
+        self.storage = Storage::Idle;
         self.own.clear();
         self.node.boot(self.now);
         self.drain();
@@ -236,6 +256,8 @@ impl<const LEN: usize> Watch<LEN> {
                 Step::Bus(Bus::Busy),
                 Step::Bus(Bus::Free),
                 Step::Bus(Bus::Free),
+                Step::Stored(Ok(())),
+                Step::Stored(Err(WriteError::NotStored)),
             ])?,
         };
         Some(step)
@@ -255,6 +277,8 @@ impl<const LEN: usize> Watch<LEN> {
         };
         let (small, now) = (u32::from(bytes.u8()?), self.value(object).unwrap_or(0));
         let value = match bytes.u8()? % 8 {
+            0..=3 if object.index == 0x1010 => u32::from_le_bytes(*b"save"),
+            0..=3 if object.index == 0x1011 => u32::from_le_bytes(*b"load"),
             0..=2 => small,
             3 => small << 16 | u32::from(any),
             4 => now,
@@ -294,6 +318,7 @@ impl<const LEN: usize> Watch<LEN> {
             Step::Advance { us } => self.advance(Duration::from_micros(us)),
             Step::Mood(mood) => self.mood = mood,
             Step::Bus(bus) => self.bus = bus,
+            Step::Stored(outcome) => self.handle_stored(outcome),
             Step::GiveBack => self.give_back(),
         }
         self.drain();
@@ -311,35 +336,34 @@ impl<const LEN: usize> Watch<LEN> {
         let asked = frame.id().get() == sdo && !frame.is_remote() && self.serves();
         let command = frame.data().first().copied().unwrap_or(0);
         if asked {
-            self.sdo_owed += self.answers_at_most(command);
+            self.sdo_owed += Self::answers_at_most(command);
         }
         if frame.id().get() == LSS_REQUEST {
             self.lss_owed += 1;
         }
-        let before = self.values();
+        let (before, commands) = (self.values(), self.storage_commands);
         self.node.handle_frame(self.now, frame, &mut self.mood);
         let answers = self.drain();
         match answers.as_slice() {
             [answer] if asked => self.check_answer(frame, answer, &before),
             [] if asked && self.bus == Bus::Free => {
-                let whole = frame.data().len() == 8 && command != 0x80;
-                assert!(!whole || self.may_be_a_segment(), "no answer to {frame:02X?}");
+                let initiates = matches!(command, 0x40 | 0x20 | 0x22 | 0x23 | 0x2B | 0x2F);
+                let whole = frame.data().len() == 8 && initiates;
+                let waits = self.may_be_a_segment() || self.storage_commands != commands;
+                assert!(!whole || waits, "no answer to {frame:02X?}");
             }
             _ => {}
         }
     }
 
     /// One; a block of segments to what asks for one.
-    fn answers_at_most(&self, command: u8) -> usize {
-        if self.serves_blocks() && matches!(command & 0xE3, 0xA2 | 0xA3) { 128 } else { 1 }
+    fn answers_at_most(command: u8) -> usize {
+        if matches!(command & 0xE3, 0xA2 | 0xA3) { 128 } else { 1 }
     }
 
-    fn may_be_a_segment(&self) -> bool {
-        self.serves_blocks()
-    }
-
-    fn serves_blocks(&self) -> bool {
-        self.subject.settings.block_transfer == canopen::BlockTransfer::Served
+    /// Behind the answer to a block download any frame may be one.
+    const fn may_be_a_segment(&self) -> bool {
+        matches!(self.sdo_answered, 0xA2 | 0xA4)
     }
 
     fn check_answer(&self, request: &Frame, answer: &[u8], before: &[u32]) {
@@ -360,6 +384,22 @@ impl<const LEN: usize> Watch<LEN> {
                 assert_eq!((&value[..len], 4 - len), (&raw[..len], usize::from(command >> 2 & 3)));
             }
         }
+    }
+
+    /// The answer to a command to store or restore may come now, if nothing else came before.
+    fn handle_stored(&mut self, outcome: Result<(), WriteError>) {
+        if self.storage == Storage::Busy {
+            self.storage = Storage::Idle;
+            self.sdo_owed += 1;
+        }
+        self.node.handle_stored(outcome);
+    }
+
+    /// One command at a time.
+    fn begin_storage(&mut self) {
+        assert_eq!(self.storage, Storage::Idle);
+        self.storage = Storage::Busy;
+        self.storage_commands += 1;
     }
 
     fn give_back(&mut self) {
@@ -410,6 +450,7 @@ impl<const LEN: usize> Watch<LEN> {
                 Event::GuardingRecovered | Event::BusStateChanged { .. } | Event::Time(_) => {}
                 Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
+                Event::Store { .. } | Event::Restore { .. } => self.begin_storage(),
                 Event::Lss(event) => self.handle_lss(event),
                 Event::TransmitOverflow { .. } => assert_eq!(self.bus, Bus::Busy),
             }
@@ -460,6 +501,7 @@ impl<const LEN: usize> Watch<LEN> {
             assert!(self.serves() || self.stale, "{frame:02X?}");
             let left = self.sdo_owed.checked_sub(1);
             self.sdo_owed = left.unwrap_or_else(|| panic!("nobody asked for {frame:02X?}"));
+            self.sdo_answered = frame.data()[0];
             return Some(frame.data().to_vec());
         }
         if id == LSS_RESPONSE {

@@ -70,8 +70,6 @@ const ENTRIES: [Entry; LEN] = [
     Entry { object: (0x2012, 0), kind: Kind::Text(9), rights: Rights::Write, limits: Limits::None },
 ];
 
-static CIA_301: Settings = Settings { block_transfer: BlockTransfer::Served, ..Settings::CIA_301 };
-
 const NODE_ID: NodeId = NodeId::new(5).expect("5 is a node-ID");
 const REQUEST: CanId = CanId::new(0x605).expect("11 bits");
 const RESPONSE: u16 = 0x585;
@@ -79,7 +77,7 @@ const RESPONSE: u16 = 0x585;
 /// Lets a client ask what `input` says.
 pub fn converse(input: &[u8]) {
     let mut bytes = Bytes::new(input);
-    let Some(settings) = bytes.pick(&[&CIA_301, &device::SETTINGS]) else { return };
+    let Some(settings) = bytes.pick(&[&Settings::CIA_301, &device::SETTINGS]) else { return };
     let mut talk = Talk::new(settings);
     while talk.next(&mut bytes).is_some() {}
 }
@@ -91,6 +89,8 @@ struct Product {
 }
 
 impl Application for Product {
+    const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
+
     fn read(&mut self, _slot: Slot, _row: &Row) -> Result<(), ReadError> {
         match self.refusal {
             Some(Refusal::Read(error)) => Err(error),

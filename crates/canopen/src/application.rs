@@ -1,11 +1,16 @@
 use object_dictionary::{Row, Slot};
 
 use crate::pdo::Mapped;
+use crate::settings::BlockTransfer;
 
 /// The product behind the object dictionary. Every hook has a default that leaves all to the stack.
 ///
 /// The stack calls a hook only after all of its own checks have passed, at most one per request.
 pub trait Application {
+    /// Whether clients may transfer values in blocks. Where they may not, the image has no code for
+    /// it.
+    const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Unknown;
+
     /// Asked before the value at `slot` is read by a client.
     ///
     /// # Errors
@@ -22,7 +27,9 @@ pub trait Application {
         None
     }
 
-    /// Asked before the number `raw`, which the row permits, is stored at `slot`.
+    /// Asked before the number `raw`, which the row permits, is stored at `slot`. Commands to store
+    /// and to restore are none: they are [`Event::Store`](crate::Event::Store) and
+    /// [`Event::Restore`](crate::Event::Restore).
     ///
     /// # Errors
     /// Says why it cannot be written now.
@@ -78,8 +85,6 @@ pub enum ReadError {
 pub enum WriteError {
     /// The row permits the value, the product does not.
     ValueRange,
-    /// The signature of a store or restore command is wrong (0x1010, 0x1011).
-    WrongSignature,
     /// The non-volatile memory did not take it.
     NotStored,
     /// Whoever holds the value cannot be reached, or is overloaded.

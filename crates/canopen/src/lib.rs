@@ -15,7 +15,8 @@
 //! | NMT slave, boot-up, self-start (0x1F80) | all commands; a reset is an event for the core above |
 //! | error control | heartbeat producer and consumers (0x1016), error behaviour (0x1029) |
 //! | | node guarding and life guarding (0x100C, 0x100D) where no heartbeat is produced |
-//! | SDO server | one; expedited and segmented, in blocks where [`Settings::block_transfer`] asks for it; both ways |
+//! | SDO server | one; expedited and segmented, in blocks where [`Application::BLOCK_TRANSFER`] asks for it; both ways |
+//! | storage (0x1010, 0x1011) | commands to store and restore are events; the answer follows the storage |
 //! | PDO | transmit: types 0 to 240, 252 to 255; remote frames, inhibit time, event timer, SYNC start value |
 //! | | receive: types 0 to 240, 254, 255; deadline |
 //! | | mapping: fixed, or changed by masters where the rows may be written; whole bytes, dummy entries |

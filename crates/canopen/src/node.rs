@@ -3,19 +3,19 @@ use object_dictionary::{Dictionary, ObjectId, Slot, Values};
 use units::Instant;
 
 use crate::acceptance::{Accepted, Screen};
-use crate::application::Application;
+use crate::application::{Application, WriteError};
 use crate::bus::BusState;
 use crate::cob_id::{self, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::emcy;
-use crate::frame::{CanId, Frame};
+use crate::frame::{CanId, DATA_MAX, Frame};
 use crate::guarding::{self, Guarded};
 use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
-use crate::sdo::{self, Objects};
+use crate::sdo::{self, Effect, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
 use crate::sync::{self, Sync};
 use crate::time::{self, TimeOfDay};
@@ -99,6 +99,20 @@ pub enum Event {
     /// A master asks for a restart of the communication: build a new node from the stored values
     /// and boot it. This one is silent and deaf from here on.
     ResetCommunication,
+    /// A master asks for parameters to be stored (0x1010). It waits for the answer that
+    /// [`Node::handle_stored`] gives; no other command of this kind comes before that.
+    Store {
+        /// Sub-index: 1 all, 2 those of the communication, 3 those of the application, from 4 on
+        /// the maker's own (CiA 301, section 7.5.2.13).
+        sub: u8,
+    },
+    /// A master asks for parameters as they were at delivery (0x1011), in force after the next reset.
+    /// It waits for the answer that [`Node::handle_stored`] gives; no other command of this kind comes
+    /// before that.
+    Restore {
+        /// Sub-index, as in [`Self::Store`] (CiA 301, section 7.5.2.14).
+        sub: u8,
+    },
     /// A monitored node is missing. What 0x1029 says has happened.
     HeartbeatLost {
         /// The node.
@@ -218,9 +232,8 @@ impl<const LEN: usize> Node<LEN> {
         if !self.wake_at.is_due(now) {
             return;
         }
-        if let Some(response) = self.sdo.handle_timeout(now) {
-            self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
-        }
+        let given_up = self.sdo.handle_timeout(now, self.settings);
+        self.answer(given_up);
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
@@ -350,6 +363,14 @@ impl<const LEN: usize> Node<LEN> {
             let reaction = slave.take_offer();
             self.follow(reaction);
         }
+    }
+
+    /// What became of [`Event::Store`] or [`Event::Restore`]: the client gets its answer, if it still
+    /// waits.
+    pub fn handle_stored(&mut self, outcome: Result<(), WriteError>) {
+        let answer = self.sdo.handle_stored(outcome, self.settings);
+        self.answer(answer);
+        self.schedule();
     }
 
     /// What became of [`lss::Event::Store`] or [`lss::Event::StoreNodeId`].
@@ -496,22 +517,30 @@ impl<const LEN: usize> Node<LEN> {
         if !self.state.serves_sdo() {
             return;
         }
-        let Some(request) = self.sdo.parse(frame.data()) else { return };
         let waited = self.sdo.poll_timeout().is_some();
-        let mut objects = Objects::new(&mut self.values, application, self.settings);
-        let response = self.sdo.handle(now, request, &mut objects);
-        let changed = objects.changed();
-        if let Some(response) = response {
-            self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), response.encode()));
-        }
+        let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
+        let answer = self.sdo.handle(now, frame, &mut objects);
+        let effect = objects.effect();
+        self.answer(answer);
         self.send_segment();
         match self.sdo.poll_timeout() {
             None if waited => self.schedule(),
             expires_at => self.wake_by(expires_at.into()),
         }
-        if let Some(slot) = changed {
-            self.note_change(now, slot);
-            self.handle_timeout(now, application);
+        match effect {
+            Effect::None => {}
+            Effect::Changed(slot) => {
+                self.note_change(now, slot);
+                self.handle_timeout(now, application);
+            }
+            Effect::Store { sub } => self.report(Event::Store { sub }),
+            Effect::Restore { sub } => self.report(Event::Restore { sub }),
+        }
+    }
+
+    fn answer(&mut self, answer: Option<[u8; DATA_MAX]>) {
+        if let Some(answer) = answer {
+            self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), answer));
         }
     }
 
@@ -525,7 +554,8 @@ impl<const LEN: usize> Node<LEN> {
     /// frames can wait.
     fn send_segment(&mut self) {
         let id = Service::SdoResponse.id(self.node_id);
-        if !self.outbox.holds(id)
+        if self.sdo.is_sending_block()
+            && !self.outbox.holds(id)
             && let Some(segment) = self.sdo.next_segment()
         {
             self.outbox.push(Frame::full(id, segment));

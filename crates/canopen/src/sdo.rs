@@ -1,10 +1,9 @@
 mod abort;
 mod block;
+mod message;
 mod objects;
-mod request;
-mod response;
 mod server;
 
 pub use abort::AbortCode;
-pub(crate) use objects::Objects;
+pub(crate) use objects::{Effect, Objects};
 pub(crate) use server::Server;

@@ -8,7 +8,7 @@ use crate::sdo::AbortCode;
 pub struct Settings {
     /// How PDOs are configured and sent.
     pub pdo: PdoRules,
-    /// Which lengths an expedited download may indicate.
+    /// Which lengths expedited transfers have.
     pub expedited: Expedited,
     /// The emergency messages about received frames.
     pub receive_errors: ReceiveErrors,
@@ -16,8 +16,6 @@ pub struct Settings {
     pub bus: BusRules,
     /// In which states the error behaviour (0x1029) acts.
     pub error_behaviour: ErrorBehaviour,
-    /// Whether clients may transfer values in blocks.
-    pub block_transfer: BlockTransfer,
     /// What an entry of the pre-defined error field (0x1003) holds besides the error code.
     pub additional_information: AdditionalInformation,
     /// How layer setting services are served; `None` without.
@@ -92,13 +90,18 @@ pub enum Trigger {
     ChangeOrTimer,
 }
 
-/// Which lengths an expedited download may indicate.
+/// Which lengths expedited transfers have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expedited {
-    /// 1, 2, 3 or 4 bytes; three fail for their length.
+    /// That of the object, 1, 2 or 4 bytes.
     AnyLength,
-    /// 1, 2 or 4 bytes; three are an unknown command.
+    /// That of the object; the command that indicates three bytes is unknown.
     OneTwoOrFour,
+    /// In a download that of the object or more; the bytes behind it do not count.
+    LongerToo,
+    /// Always four: a shorter number is widened both ways, and one that does not fit its object is
+    /// above the maximum. There are no segments.
+    FourOnly,
 }
 
 /// The emergency messages about received frames; `None` says nothing.
@@ -228,7 +231,6 @@ impl Settings {
             off: BusOff::CommunicationError,
         },
         error_behaviour: ErrorBehaviour::InOperational,
-        block_transfer: BlockTransfer::Unknown,
         additional_information: AdditionalInformation::FirstTwoBytes,
         lss: None,
         abort_codes: AbortCodes {

@@ -13,8 +13,7 @@ use object_dictionary::{Number, Object, PdoMapping, Row, Slot, Value};
 pub const NODE_ID: NodeId = NodeId::new(0x10).expect("16 is a node-ID");
 
 /// As CiA 301 has it, with all that is optional.
-pub static SETTINGS: Settings =
-    Settings { block_transfer: BlockTransfer::Served, ..Settings::CIA_301 };
+pub static SETTINGS: Settings = Settings::CIA_301;
 
 /// Bytes of the block, 0x2000.
 pub const BLOB_LEN: usize = 64;
@@ -215,6 +214,8 @@ impl Default for Device {
 }
 
 impl Application for Device {
+    const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
+
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
         (row.id == BLOB.id()).then_some(&self.blob)
     }

@@ -1,5 +1,5 @@
 use canopen::lss::BitRate;
-use canopen::{Accepted, BusState, Frame, Node, NodeId, State};
+use canopen::{Accepted, BusState, Frame, Node, NodeId, State, WriteError};
 use heapless::Deque;
 use object_dictionary::{Access, Owner, Row, Slot};
 use profiles::nm17x::{BIT_RATE, COMMANDS, NODE_ID, SERIAL_NUMBER, STATUS_REGISTER};
@@ -335,6 +335,10 @@ impl Interface {
                 canopen::Event::HeartbeatRecovered { .. }
                 | canopen::Event::GuardingRecovered
                 | canopen::Event::PdoOverdue { .. } => {}
+                // Nothing is stored on command so far.
+                canopen::Event::Store { .. } | canopen::Event::Restore { .. } => {
+                    self.node.handle_stored(Err(WriteError::NotStored));
+                }
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 canopen::Event::Lss(event) => self.follow_lss(now, event),
                 canopen::Event::BusStateChanged { to: BusState::Off, .. } => {

@@ -4,8 +4,8 @@ use canopen::lss::{
     self, Addressing, BitRate, Identification, RequestLength, Selection, Unconfigured,
 };
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, BlockTransfer, BusOff, BusRules, Emergency,
-    ErrorBehaviour, Expedited, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
+    AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, Emergency, ErrorBehaviour,
+    Expedited, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
 };
 use units::Duration;
 
@@ -36,7 +36,6 @@ pub(crate) static SETTINGS: Settings = Settings {
         off: BusOff::NoReason,
     },
     error_behaviour: ErrorBehaviour::InOperational,
-    block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: Some(&LAYER_SETTINGS),
     abort_codes: AbortCodes {

@@ -179,6 +179,12 @@ impl DataType {
         }
     }
 
+    /// Whether values of the type are texts; all others are numbers.
+    #[must_use]
+    pub const fn is_text(self) -> bool {
+        matches!(self, Self::VisibleString(_))
+    }
+
     /// Whether values of the type have no bytes.
     #[must_use]
     pub const fn is_empty(self) -> bool {

@@ -1,6 +1,6 @@
 //! What an SDO server has to answer (CiA 301, section 7.2.4), written to be read.
 
-use canopen::{BlockTransfer, Expedited, ReadError, Settings, WriteError};
+use canopen::{Expedited, ReadError, Settings, WriteError};
 use units::{Duration, Instant};
 
 const TOGGLE_NOT_ALTERNATED: u32 = 0x0503_0000;
@@ -207,7 +207,7 @@ impl Model {
         if command == 0x80 {
             return Answer::NONE;
         }
-        let blocks = self.settings.block_transfer == BlockTransfer::Served && request.len() == 8;
+        let blocks = request.len() == 8;
         let of_transfer = in_block
             || matches!(command, 0x00..=0x1F | 0x60 | 0x70)
             || blocks && matches!((command & 0xE0, command & 3), (0xA0 | 0xC0, 1 | 3) | (0xA0, 2));
@@ -246,7 +246,7 @@ impl Model {
     ) -> Outcome {
         let [command, low, high, sub, data @ ..] = frame;
         let size = u32::from_le_bytes(data);
-        let blocks = self.settings.block_transfer == BlockTransfer::Served && dlc == 8;
+        let blocks = dlc == 8;
         match command {
             0x40 => {
                 let at = self.readable(object, refusal)?;
@@ -459,7 +459,6 @@ impl Model {
         match refusal {
             Some(Refusal::Write(error)) => Err(No::Abort(match error {
                 WriteError::ValueRange => codes.value_range.get(),
-                WriteError::WrongSignature => 0x0800_0020,
                 WriteError::NotStored => codes.not_stored.get(),
                 WriteError::Hardware => 0x0606_0000,
                 WriteError::DeviceState => 0x0800_0022,

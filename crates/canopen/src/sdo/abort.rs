@@ -75,7 +75,6 @@ impl AbortCode {
     pub(crate) const fn of_write(error: WriteError, codes: &AbortCodes) -> Self {
         match error {
             WriteError::ValueRange => codes.value_range,
-            WriteError::WrongSignature => Self::NOT_STORED,
             WriteError::NotStored => codes.not_stored,
             WriteError::Hardware => Self::HARDWARE_ERROR,
             WriteError::DeviceState => Self::DEVICE_STATE,

@@ -1,26 +1,28 @@
 use heapless::Vec;
 
 use super::abort::AbortCode;
-use super::request::SEGMENT_LEN;
+use super::message::{SEGMENT_LEN, segment};
+use super::objects::VALUE_MAX;
 use crate::frame::DATA_MAX;
 
 /// Most segments in a block (CiA 301, section 7.2.4.3.9), and what the server asks for.
-const BLOCK_LEN_MAX: u8 = 127;
+pub(super) const BLOCK_LEN_MAX: u8 = 127;
 
-/// Segments of the longest value there is.
-const SEGMENTS_MAX: usize = 37;
-/// Bytes of the longest value, in whole segments.
-const VALUE_MAX: usize = SEGMENTS_MAX * SEGMENT_LEN;
-/// The length of a text is one byte.
-const _: () = assert!(VALUE_MAX >= u8::MAX as usize);
+/// Answers to the initiate requests, and to the end of a download.
+pub(super) const UPLOAD_ANSWER: u8 = 0xC6;
+pub(super) const DOWNLOAD_ANSWER: u8 = 0xA4;
+pub(super) const DOWNLOAD_END_ANSWER: u8 = 0xA1;
+const DOWNLOAD_BLOCK_ANSWER: u8 = 0xA2;
+const UPLOAD_END: u8 = 0xC1;
 
+/// The flag of the last segment.
 const LAST: u8 = 1 << 7;
 
-/// What a client asks for in a block transfer (CiA 301, sections 7.2.4.3.9 to 7.2.4.3.16).
+/// What a client asks for in a block transfer (CiA 301, sections 7.2.4.3.9 to 7.2.4.3.16), segments
+/// apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
     Download { size: Option<u32>, crc: Crc },
-    DownloadSegment(Segment),
     DownloadEnd { unused: u8, crc: u16 },
     Upload { crc: Crc, block_len: u8, threshold: u8 },
     UploadStart,
@@ -35,117 +37,83 @@ pub(super) enum Crc {
     Unused,
 }
 
-/// A segment of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Segment {
-    number: u8,
-    last: bool,
-    data: [u8; SEGMENT_LEN],
-}
-
-/// What the server answers in a block transfer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Response {
-    Download,
-    DownloadAcknowledge { number: u8 },
-    DownloadEnd,
-    Upload { size: u32 },
-    UploadEnd { unused: u8, crc: u16 },
-}
-
 impl Command {
-    /// `None` for other commands.
-    pub(super) fn parse(frame: [u8; DATA_MAX]) -> Option<Self> {
-        let [command, a, b, _, e, f, g, h] = frame;
+    /// The command in a frame whose first byte is one of a block transfer, 0xA0 to 0xDF.
+    pub(super) fn parse([command, a, b, _, e, f, g, h]: [u8; DATA_MAX]) -> Self {
         let crc = if command & 1 << 2 == 0 { Crc::Unused } else { Crc::Used };
-        match (command & 0xE0, command & 3) {
-            (0xA0, 0) => Some(Self::Upload { crc, block_len: e, threshold: f }),
-            (0xA0, 1) => Some(Self::UploadEnd),
-            (0xA0, 2) => Some(Self::UploadAcknowledge { number: a, block_len: b }),
-            (0xA0, _) => Some(Self::UploadStart),
-            (0xC0, 0) => Some(Self::Download { size: None, crc }),
-            (0xC0, 2) => Some(Self::Download { size: Some(u32::from_le_bytes([e, f, g, h])), crc }),
-            (0xC0, _) => {
+        match (command & 1 << 6 == 0, command & 3) {
+            (true, 0) => Self::Upload { crc, block_len: e, threshold: f },
+            (true, 1) => Self::UploadEnd,
+            (true, 2) => Self::UploadAcknowledge { number: a, block_len: b },
+            (true, _) => Self::UploadStart,
+            (false, 0) => Self::Download { size: None, crc },
+            (false, 2) => Self::Download { size: Some(u32::from_le_bytes([e, f, g, h])), crc },
+            (false, _) => {
                 let unused = command >> 2 & 7;
-                Some(Self::DownloadEnd { unused, crc: u16::from_le_bytes([a, b]) })
-            }
-            _ => None,
-        }
-    }
-
-    /// Any frame where segments are expected.
-    pub(super) const fn segment([command, data @ ..]: [u8; DATA_MAX]) -> Self {
-        let (number, last) = (command & !LAST, command & LAST != 0);
-        Self::DownloadSegment(Segment { number, last, data })
-    }
-}
-
-impl Response {
-    /// The whole frame. Answers to an initiate request have the object in bytes 1 to 3.
-    pub(super) const fn encode(self, [i, j, k]: [u8; 3]) -> [u8; DATA_MAX] {
-        match self {
-            Self::Download => [0xA4, i, j, k, BLOCK_LEN_MAX, 0, 0, 0],
-            Self::DownloadAcknowledge { number } => [0xA2, number, BLOCK_LEN_MAX, 0, 0, 0, 0, 0],
-            Self::DownloadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
-            Self::Upload { size } => {
-                let [a, b, c, d] = size.to_le_bytes();
-                [0xC6, i, j, k, a, b, c, d]
-            }
-            Self::UploadEnd { unused, crc } => {
-                let [low, high] = crc.to_le_bytes();
-                [0xC1 | unused << 2, low, high, 0, 0, 0, 0, 0]
+                Self::DownloadEnd { unused, crc: u16::from_le_bytes([a, b]) }
             }
         }
     }
 }
 
 /// A value on its way to the server.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Download {
-    received: Vec<u8, VALUE_MAX>,
     crc: Crc,
     /// The last segment of this block that came in order.
     in_order: u8,
     complete: bool,
 }
 
+/// The client sends more than the entry holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TooLong;
+
 impl Download {
     pub(super) const fn new(crc: Crc) -> Self {
-        Self { received: Vec::new(), crc, in_order: 0, complete: false }
+        Self { crc, in_order: 0, complete: false }
     }
 
-    /// Whether the next frame is a segment, whatever its first byte.
-    pub(super) const fn expects_segment(&self) -> bool {
-        !self.complete
+    pub(super) const fn is_complete(&self) -> bool {
+        self.complete
     }
 
-    /// Takes a segment of a value of `len` bytes. What is not in order is asked for again after the
-    /// block. `None` when the value gets too long.
-    pub(super) fn take(&mut self, segment: &Segment, len: usize) -> Option<Option<Response>> {
-        let &Segment { number, last, ref data } = segment;
-        let in_order = number == self.in_order + 1;
-        if in_order {
-            let fits = self.received.len() < len.max(1);
-            if !fits || self.received.extend_from_slice(data).is_err() {
-                return None;
+    /// Takes a segment of a value of `len` bytes, and answers the last one of a block. What is not in
+    /// order is asked for again after the block.
+    pub(super) fn take(
+        &mut self,
+        [command, data @ ..]: [u8; DATA_MAX],
+        value: &mut Vec<u8, VALUE_MAX>,
+        len: usize,
+    ) -> Result<Option<[u8; DATA_MAX]>, TooLong> {
+        let (number, last) = (command & !LAST, command & LAST != 0);
+        if number == self.in_order + 1 {
+            let fits = value.len() < len.max(1);
+            if !fits || value.extend_from_slice(&data).is_err() {
+                return Err(TooLong);
             }
             self.in_order = number;
             self.complete = last;
         }
         if !last && number != BLOCK_LEN_MAX {
-            return Some(None);
+            return Ok(None);
         }
         let number = core::mem::take(&mut self.in_order);
-        Some(Some(Response::DownloadAcknowledge { number }))
+        Ok(Some(segment(DOWNLOAD_BLOCK_ANSWER, &[number, BLOCK_LEN_MAX])))
     }
 
     /// The value, all of it.
-    pub(super) fn end(&self, unused: u8, crc: u16) -> Result<&[u8], AbortCode> {
+    pub(super) fn end<'a>(
+        &self,
+        value: &'a [u8],
+        unused: u8,
+        crc: u16,
+    ) -> Result<&'a [u8], AbortCode> {
         if !self.complete {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }
-        let len = self.received.len().saturating_sub(usize::from(unused));
-        let value = self.received.get(..len).unwrap_or(&[]);
+        let len = value.len().saturating_sub(usize::from(unused));
+        let value = value.get(..len).unwrap_or(&[]);
         match self.crc {
             Crc::Used if checksum(value) != crc => Err(AbortCode::CRC),
             Crc::Used | Crc::Unused => Ok(value),
@@ -153,10 +121,9 @@ impl Download {
     }
 }
 
-/// A value on its way to the client, as it was at the start.
-#[derive(Debug)]
+/// A value on its way to the client.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Upload {
-    value: Vec<u8, VALUE_MAX>,
     crc: Crc,
     block_len: u8,
     /// Bytes before the present block; the client has them.
@@ -174,10 +141,9 @@ enum Phase {
 }
 
 impl Upload {
-    pub(super) fn new(value: &[u8], crc: Crc, block_len: u8) -> Result<Self, AbortCode> {
+    pub(super) fn new(crc: Crc, block_len: u8) -> Result<Self, AbortCode> {
         check_block_len(block_len)?;
-        let value = Vec::from_slice(value).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
-        Ok(Self { value, crc, block_len, acknowledged: 0, sent: 0, phase: Phase::Offered })
+        Ok(Self { crc, block_len, acknowledged: 0, sent: 0, phase: Phase::Offered })
     }
 
     /// The client is ready.
@@ -192,42 +158,38 @@ impl Upload {
     }
 
     /// The next segment of the block; `None` when the client has to say something.
-    pub(super) fn next_segment(&mut self) -> Option<[u8; DATA_MAX]> {
-        let from = self.next_from()?;
-        let rest = self.value.get(from..)?;
-        let last = rest.len() <= SEGMENT_LEN;
+    pub(super) fn next_segment(&mut self, value: &[u8]) -> Option<[u8; DATA_MAX]> {
+        let rest = value.get(self.next_from(value)?..)?;
+        let last = if rest.len() <= SEGMENT_LEN { LAST } else { 0 };
         self.sent += 1;
-        let mut frame = [0; DATA_MAX];
-        let (command, data) = frame.split_first_mut()?;
-        *command = if last { LAST | self.sent } else { self.sent };
-        for (place, &byte) in data.iter_mut().zip(rest) {
-            *place = byte;
-        }
-        Some(frame)
+        Some(segment(last | self.sent, rest))
     }
 
-    /// The client has the segments of the block up to this one.
+    /// The client has the segments of the block up to this one. The frame that ends the transfer, if
+    /// it now has all.
     pub(super) fn acknowledge(
         &mut self,
+        value: &[u8],
         number: u8,
         block_len: u8,
-    ) -> Result<Option<Response>, AbortCode> {
+    ) -> Result<Option<[u8; DATA_MAX]>, AbortCode> {
         if self.phase != Phase::Sending {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }
-        if number > self.sent || self.next_from().is_some() {
+        if number > self.sent || self.next_from(value).is_some() {
             return Err(AbortCode::SEQUENCE_NUMBER);
         }
         self.acknowledged += usize::from(number) * SEGMENT_LEN;
-        if number > 0 && self.acknowledged >= self.value.len() {
+        if let Some(unused) = self.acknowledged.checked_sub(value.len())
+            && number > 0
+        {
             self.phase = Phase::Ending;
-            let unused = self.acknowledged - self.value.len();
-            let unused = u8::try_from(unused).map_err(|_| AbortCode::GENERAL)?;
             let crc = match self.crc {
-                Crc::Used => checksum(&self.value),
+                Crc::Used => checksum(value),
                 Crc::Unused => 0,
             };
-            return Ok(Some(Response::UploadEnd { unused, crc }));
+            let [unused, ..] = unused.to_le_bytes();
+            return Ok(Some(segment(UPLOAD_END | unused << 2, &crc.to_le_bytes())));
         }
         check_block_len(block_len)?;
         self.block_len = block_len;
@@ -244,9 +206,9 @@ impl Upload {
     }
 
     /// Where the next segment of the block begins. A value of no bytes has one segment.
-    fn next_from(&self) -> Option<usize> {
+    fn next_from(&self, value: &[u8]) -> Option<usize> {
         let from = self.acknowledged + usize::from(self.sent) * SEGMENT_LEN;
-        let more = from < self.value.len() || from == 0;
+        let more = from < value.len() || from == 0;
         (self.phase == Phase::Sending && self.sent < self.block_len && more).then_some(from)
     }
 }

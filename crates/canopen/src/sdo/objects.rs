@@ -1,5 +1,6 @@
+use heapless::Vec;
 use object_dictionary::{
-    Access, DataType, Default, Missing, ObjectId, OutOfLimits, Row, Slot, Values,
+    Access, DataType, Missing, ObjectId, OutOfLimits, Row, Slot, Values, WriteState,
 };
 
 use super::abort::AbortCode;
@@ -7,18 +8,50 @@ use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
 use crate::heartbeat;
+use crate::nmt::State;
 use crate::pdo;
-use crate::settings::Settings;
+use crate::settings::{Expedited, Settings};
 use crate::sync;
 use crate::time;
 
+/// Longest value, in bytes: the length of a text is one byte. In whole segments.
+pub(super) const VALUE_MAX: usize = 37 * super::message::SEGMENT_LEN;
+const _: () = assert!(VALUE_MAX >= u8::MAX as usize);
+
+/// The objects that store parameters and restore those at delivery.
+const STORE: u16 = 0x1010;
+const RESTORE: u16 = 0x1011;
+/// The commands to do so (CiA 301, sections 7.5.2.13 and 7.5.2.14).
+const SAVE: u32 = u32::from_le_bytes(*b"save");
+const LOAD: u32 = u32::from_le_bytes(*b"load");
+
 /// The object dictionary as a client meets it. The checks come in one order, so that a request
-/// fails for one reason only: index, sub-index, access, length, value, application.
+/// fails for one reason only: index, sub-index, access, NMT state, length, value, application.
 pub(crate) struct Objects<'a, A, const LEN: usize> {
     values: &'a mut Values<LEN>,
     application: &'a mut A,
     settings: &'a Settings,
-    changed: Option<Slot>,
+    state: State,
+    effect: Effect,
+}
+
+/// What a request brought about besides its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effect {
+    /// Nothing, or nothing that the stack has to do with.
+    None,
+    /// The number at this slot was written.
+    Changed(Slot),
+    /// Parameters are to be stored.
+    Store {
+        /// Which.
+        sub: u8,
+    },
+    /// Parameters at delivery are to be restored.
+    Restore {
+        /// Which.
+        sub: u8,
+    },
 }
 
 /// An entry that a client may access.
@@ -33,13 +66,21 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         values: &'a mut Values<LEN>,
         application: &'a mut A,
         settings: &'a Settings,
+        state: State,
     ) -> Self {
-        Self { values, application, settings, changed: None }
+        Self { values, application, settings, state, effect: Effect::None }
     }
 
-    /// The number that was written, if that has an effect.
-    pub(crate) const fn changed(&self) -> Option<Slot> {
-        self.changed
+    pub(crate) const fn effect(&self) -> Effect {
+        self.effect
+    }
+
+    pub(super) const fn bring_about(&mut self, effect: Effect) {
+        self.effect = effect;
+    }
+
+    pub(super) const fn settings(&self) -> &'a Settings {
+        self.settings
     }
 
     /// The entry, if it may be read now.
@@ -49,33 +90,46 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             Access::ReadOnly | Access::ReadWrite => {}
             Access::WriteOnly => return Err(AbortCode::WRITE_ONLY),
         }
-        if self.is_empty_error(entry.row.id) {
+        if object.index == emcy::HISTORY && self.is_empty_error(object.sub) {
             return Err(AbortCode::NO_DATA);
         }
         self.application.read(entry.slot, entry.row).map_err(AbortCode::of_read)?;
         Ok(entry)
     }
 
-    /// The entry, if it may be written at all.
+    /// The entry, if it may be written now.
     pub(super) fn writable(&self, object: ObjectId) -> Result<Entry, AbortCode> {
         let entry = self.find(object)?;
-        match entry.row.access {
-            Access::WriteOnly | Access::ReadWrite => Ok(entry),
-            Access::ReadOnly => Err(AbortCode::READ_ONLY),
-        }
+        self.check_access(entry.row)?;
+        Ok(entry)
     }
 
-    /// The bytes of a value. A number uses `number` as its place.
-    pub(super) fn bytes<'b>(&'b self, entry: Entry, number: &'b mut [u8; 4]) -> &'b [u8] {
-        if let DataType::VisibleString(_) = entry.row.data_type {
-            let default = match entry.row.default() {
-                Default::Text(text) => text.as_bytes(),
-                Default::Number(_) | Default::NodeIdPlus(_) => &[],
-            };
-            return self.application.text(entry.slot, entry.row).unwrap_or(default);
-        }
-        *number = self.values.raw(entry.slot).to_le_bytes();
-        number.get(..entry.row.data_type.len()).unwrap_or(&[])
+    /// The number at an entry, in 32 bits.
+    pub(super) fn number(&self, entry: Entry) -> u32 {
+        entry.row.data_type.widen(self.values.raw(entry.slot))
+    }
+
+    /// Puts the bytes of a value into `place`.
+    pub(super) fn load(
+        &self,
+        entry: Entry,
+        place: &mut Vec<u8, VALUE_MAX>,
+    ) -> Result<(), AbortCode> {
+        let number = self.number(entry).to_le_bytes();
+        let bytes = match entry.row.data_type {
+            DataType::VisibleString(_) => self
+                .application
+                .text(entry.slot, entry.row)
+                .unwrap_or_else(|| entry.row.text().as_bytes()),
+            DataType::Unsigned8
+            | DataType::Unsigned16
+            | DataType::Unsigned32
+            | DataType::Integer8
+            | DataType::Integer16
+            | DataType::Integer32 => number.get(..entry.row.data_type.len()).unwrap_or(&[]),
+        };
+        place.clear();
+        place.extend_from_slice(bytes).map_err(|_| AbortCode::OUT_OF_MEMORY)
     }
 
     /// Whether a value of `len` bytes could be written.
@@ -96,48 +150,108 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         }
     }
 
-    /// Whether the bytes sent beyond the value may be there.
-    pub(super) fn check_excess(&self, excess: &[u8]) -> Result<(), AbortCode> {
-        match self.settings.abort_codes.excess_bytes {
-            Some(code) if excess.iter().any(|&byte| byte != 0) => Err(code),
+    /// Whether an expedited download may have a length that is not the entry's: `data` with as many
+    /// bytes as indicated.
+    pub(super) fn check_other_len(
+        &self,
+        row: &Row,
+        indicated: Option<u8>,
+        data: u32,
+    ) -> Result<(), AbortCode> {
+        let (expedited, codes) = (self.settings.expedited, &self.settings.abort_codes);
+        let (len, is_text) = (row.data_type.len(), row.data_type.is_text());
+        let fits = match (expedited, indicated.map(usize::from)) {
+            (Expedited::FourOnly, Some(4)) => len == 4 || !is_text,
+            (Expedited::FourOnly, _) => false,
+            (Expedited::LongerToo, Some(indicated)) => indicated >= len,
+            (Expedited::AnyLength | Expedited::OneTwoOrFour, Some(indicated)) => indicated == len,
+            (Expedited::LongerToo | Expedited::AnyLength | Expedited::OneTwoOrFour, None) => {
+                len <= 4
+            }
+        };
+        if !fits {
+            return Err(self.length_code(row));
+        }
+        if expedited == Expedited::FourOnly && !is_text && row.data_type.widen(data) != data {
+            return Err(codes.above_maximum);
+        }
+        match codes.excess_bytes {
+            Some(code) if indicated.is_none() && has_excess(data, len) => Err(code),
             Some(_) | None => Ok(()),
         }
     }
 
-    pub(super) const fn settings(&self) -> &Settings {
-        self.settings
+    /// Writes a value of several messages after the remaining checks.
+    pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<Effect, AbortCode> {
+        self.check_access(entry.row)?;
+        self.check_len(entry.row, bytes.len())?;
+        if entry.row.data_type.is_text() {
+            return self.write_text(entry, bytes);
+        }
+        let mut le = [0; 4];
+        for (byte, &sent) in le.iter_mut().zip(bytes) {
+            *byte = sent;
+        }
+        self.write_number(entry, u32::from_le_bytes(le))
     }
 
-    /// Writes a value after the remaining checks.
-    pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<(), AbortCode> {
+    /// Writes a text of the right length.
+    pub(super) fn write_text(&mut self, entry: Entry, text: &[u8]) -> Result<Effect, AbortCode> {
+        let written = self.application.write_text(entry.slot, entry.row, text);
+        written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes))?;
+        Ok(Effect::None)
+    }
+
+    /// Writes the number that the low bytes of `raw` are after the remaining checks.
+    pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<Effect, AbortCode> {
         let Entry { slot, row } = entry;
-        self.check_len(row, bytes.len())?;
         let codes = &self.settings.abort_codes;
-        if let DataType::VisibleString(_) = row.data_type {
-            let written = self.application.write_text(slot, row, bytes);
-            return written.map_err(|error| AbortCode::of_write(error, codes));
+        let raw = row.data_type.widen(raw);
+        row.check(raw).map_err(|outside| match outside {
+            OutOfLimits::Above => codes.above_maximum,
+            OutOfLimits::Below => codes.below_minimum,
+            OutOfLimits::Beside => codes.value_range,
+        })?;
+        let mut acts_again = false;
+        if row.id.index < COMMUNICATION_END {
+            match row.id.index {
+                STORE | RESTORE => return command(row.id, raw),
+                index => acts_again = index == heartbeat::CONSUMER_TIME,
+            }
+            self.check_communication(row.id, raw)?;
         }
-        let raw = self.permitted(row, bytes)?;
         let written = self.application.write(slot, row, raw);
         match written.map_err(|error| AbortCode::of_write(error, codes))? {
-            Written::Taken if self.values.raw(slot) != raw || acts_again(row.id) => {
+            Written::Taken if self.values.raw(slot) != raw || acts_again => {
                 self.values.set_raw(slot, raw);
-                self.changed = Some(slot);
+                Ok(Effect::Changed(slot))
             }
-            Written::Taken | Written::Ignored => {}
+            Written::Taken | Written::Ignored => Ok(Effect::None),
         }
-        Ok(())
     }
 
-    /// Whether it is an entry of the pre-defined error field that holds no error.
-    fn is_empty_error(&self, object: ObjectId) -> bool {
+    /// Whether a master may write the entry, now and with SDO.
+    fn check_access(&self, row: &Row) -> Result<(), AbortCode> {
+        match (row.access, row.write_state) {
+            (_, WriteState::NotWithSdo) => Err(AbortCode::UNSUPPORTED_ACCESS),
+            (Access::ReadOnly, _) => Err(AbortCode::READ_ONLY),
+            (Access::WriteOnly | Access::ReadWrite, WriteState::PreOperational)
+                if self.state != State::PreOperational =>
+            {
+                Err(AbortCode::DEVICE_STATE)
+            }
+            (
+                Access::WriteOnly | Access::ReadWrite,
+                WriteState::Any | WriteState::PreOperational,
+            ) => Ok(()),
+        }
+    }
+
+    /// Whether an entry of the pre-defined error field holds no error.
+    fn is_empty_error(&self, sub: u8) -> bool {
         let count = ObjectId { index: emcy::HISTORY, sub: 0 };
-        object.index == emcy::HISTORY
-            && self
-                .values
-                .dictionary()
-                .find(count)
-                .is_ok_and(|count| u32::from(object.sub) > self.values.raw(count))
+        let count = self.values.dictionary().find(count);
+        count.is_ok_and(|count| u32::from(sub) > self.values.raw(count))
     }
 
     fn find(&self, object: ObjectId) -> Result<Entry, AbortCode> {
@@ -150,43 +264,41 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         Ok(Entry { slot, row })
     }
 
-    /// The number in 32 bits, if it may be written.
-    fn permitted(&self, row: &Row, bytes: &[u8]) -> Result<u32, AbortCode> {
-        let codes = &self.settings.abort_codes;
-        let mut le = [0; 4];
-        for (byte, &sent) in le.iter_mut().zip(bytes) {
-            *byte = sent;
+    /// Whether the stack can act on this value of an object of the communication.
+    #[inline(never)]
+    fn check_communication(&self, object: ObjectId, raw: u32) -> Result<(), AbortCode> {
+        let possible = match (object.index, object.sub) {
+            (emcy::HISTORY, 0) => raw == 0,
+            (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
+            (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
+            (heartbeat::CONSUMER_TIME, _) if heartbeat::is_doubled(object, raw, self.values) => {
+                return Err(AbortCode::INCOMPATIBLE);
+            }
+            (0x1029, 1) => raw <= 3,
+            _ => true,
+        };
+        if !possible {
+            return Err(self.settings.abort_codes.value_range);
         }
-        let raw = row.data_type.widen(u32::from_le_bytes(le));
-        row.check(raw).map_err(|outside| match outside {
-            OutOfLimits::Above => codes.above_maximum,
-            OutOfLimits::Below => codes.below_minimum,
-            OutOfLimits::Beside => codes.value_range,
-        })?;
-        if !is_possible(row.id, raw) {
-            return Err(codes.value_range);
-        }
-        if heartbeat::is_doubled(row.id, raw, self.values) {
-            return Err(AbortCode::INCOMPATIBLE);
-        }
-        pdo::check(self.values, &self.settings.pdo, row.id, raw)?;
-        sync::check(self.values, row.id, raw)?;
-        Ok(raw)
+        pdo::check(self.values, &self.settings.pdo, object, raw)?;
+        sync::check(self.values, object, raw)
     }
 }
 
-/// Whether writing the value that is there already has an effect too.
-const fn acts_again(object: ObjectId) -> bool {
-    object.index == heartbeat::CONSUMER_TIME
+/// Whether one of the bytes behind the first `len` is not zero.
+fn has_excess(data: u32, len: usize) -> bool {
+    data.to_le_bytes().iter().skip(len).any(|&byte| byte != 0)
 }
 
-/// Whether the stack can act on this value of one of its own objects.
-fn is_possible(object: ObjectId, raw: u32) -> bool {
-    match (object.index, object.sub) {
-        (emcy::HISTORY, 0) => raw == 0,
-        (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
-        (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
-        (0x1029, 1) => raw <= 3,
-        _ => true,
+/// The first index behind the objects of the communication.
+const COMMUNICATION_END: u16 = 0x2000;
+
+/// The command to store or restore, if that is what was written.
+const fn command(object: ObjectId, signature: u32) -> Result<Effect, AbortCode> {
+    let sub = object.sub;
+    match (object.index, signature) {
+        (STORE, SAVE) => Ok(Effect::Store { sub }),
+        (RESTORE, LOAD) => Ok(Effect::Restore { sub }),
+        _ => Err(AbortCode::NOT_STORED),
     }
 }

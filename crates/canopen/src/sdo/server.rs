@@ -4,18 +4,35 @@ use units::{Duration, Instant};
 
 use super::abort::AbortCode;
 use super::block;
-use super::objects::{Entry, Objects};
-use super::request::{Command, Expedited, Request, SEGMENT_LEN, Segment};
-use super::response::Response;
-use crate::application::Application;
-use crate::frame::DATA_MAX;
-use crate::settings::{self, BlockTransfer};
+use super::message::{Message, SEGMENT_LEN, segment};
+use super::objects::{Effect, Entry, Objects, VALUE_MAX};
+use crate::application::{Application, WriteError};
+use crate::frame::{DATA_MAX, Frame};
+use crate::settings::{BlockTransfer, Expedited, Settings};
 
-/// A segmented transfer whose client stays silent for this long is given up.
+/// A transfer whose client stays silent for this long is given up.
 const SEGMENT_TIMEOUT: Duration = Duration::from_millis(1_000);
 
-/// Longest value that can be downloaded in segments, in bytes.
-const DOWNLOAD_MAX: usize = 32;
+/// A client waits no longer than this for parameters to be stored or restored.
+const STORAGE_TIMEOUT: Duration = Duration::from_millis(5_000);
+
+/// Bytes before the data of an expedited transfer.
+const HEAD_LEN: u8 = 4;
+
+/// Commands of the client (CiA 301, section 7.2.4.3).
+const UPLOAD: u8 = 0x40;
+const ABORT: u8 = 0x80;
+/// Answers.
+const UPLOAD_ANSWER: u8 = 0x40;
+const DOWNLOAD_ANSWER: u8 = 0x60;
+const DOWNLOAD_SEGMENT_ANSWER: u8 = 0x20;
+
+/// Flags of an initiate message: the data are in it, and their length or that of the value too.
+const EXPEDITED: u8 = 1 << 1;
+const SIZE_INDICATED: u8 = 1;
+/// Flags of a segment: it alternates, and it is the last.
+const TOGGLE: u8 = 1 << 4;
+const LAST: u8 = 1;
 
 /// The SDO server (CiA 301, section 7.2.4): expedited, segmented and block transfers, one at a
 /// time.
@@ -24,115 +41,145 @@ const DOWNLOAD_MAX: usize = 32;
 /// [`Self::next_segment`] has, or one answer to the block. The client's own abort and frames
 /// shorter than their command announces get none. A new initiate request in the middle of a
 /// transfer takes its place.
+///
+/// The answer to a command to store or restore comes when that is done. A request in between is
+/// served as ever and takes the place of that answer; only a second command of this kind is refused
+/// until the first is done, whether its client still waits or not.
 #[derive(Debug, Default)]
 pub(crate) struct Server {
     transfer: Option<Transfer>,
+    storage: Storage,
+    /// A value of several messages: as far as it has come, or as it was at the start.
+    value: Vec<u8, VALUE_MAX>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Transfer {
     entry: Entry,
-    /// The toggle bit of the next segment.
-    toggle: bool,
     expires_at: Instant,
-    direction: Direction,
+    step: Step,
 }
 
-#[derive(Debug)]
-enum Direction {
-    /// Bytes up to `offset` are sent.
+/// What comes next.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// The client asks for the bytes from `sent` on.
     Upload {
-        offset: usize,
+        toggle: u8,
+        sent: usize,
     },
-    /// These bytes have arrived.
+    /// The client has more bytes.
     Download {
-        received: Vec<u8, DOWNLOAD_MAX>,
+        toggle: u8,
     },
+    /// A block, in either direction.
     BlockUpload(block::Upload),
     BlockDownload(block::Download),
+    /// The storage has done what this is the answer to.
+    Storage {
+        answer: [u8; DATA_MAX],
+    },
 }
 
+/// What the storage does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Storage {
+    #[default]
+    Idle,
+    Busy,
+}
+
+/// What is answered; `None` when the client is to say more first, or the server sends segments.
+type Answer = Result<Option<[u8; DATA_MAX]>, AbortCode>;
+
 impl Server {
-    /// The request in a frame, as it is to be read now. `None` for frames that are none.
-    pub(crate) fn parse(&self, data: &[u8]) -> Option<Request> {
-        let segment = self.transfer.as_ref().is_some_and(|transfer| match &transfer.direction {
-            Direction::BlockDownload(download) => download.expects_segment(),
-            Direction::BlockUpload(_) | Direction::Upload { .. } | Direction::Download { .. } => {
-                false
-            }
-        });
-        if segment { Request::parse_segment(data) } else { Request::parse(data) }
-    }
-
-    /// The next segment of a block on its way to the client, as soon as there is room for it.
-    pub(crate) fn next_segment(&mut self) -> Option<[u8; DATA_MAX]> {
-        match &mut self.transfer.as_mut()?.direction {
-            Direction::BlockUpload(upload) => upload.next_segment(),
-            Direction::BlockDownload(_) | Direction::Upload { .. } | Direction::Download { .. } => {
-                None
-            }
-        }
-    }
-
     /// Serves a request.
     pub(crate) fn handle<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        request: Request,
+        frame: &Frame,
         objects: &mut Objects<'_, A, LEN>,
-    ) -> Option<Response> {
-        let mut object = request.object;
-        let outcome = match request.command {
-            Command::Upload => {
-                self.transfer = None;
-                self.upload(now, object, objects)
-            }
-            Command::DownloadExpedited(data) => {
-                self.transfer = None;
-                download_expedited(object, data, objects).transpose()?
-            }
-            Command::Download { size } => {
-                self.transfer = None;
-                self.download(now, object, size, objects)
-            }
-            Command::UploadSegment { toggle } => {
-                object = self.object().unwrap_or(object);
-                self.upload_segment(now, toggle, objects)
-            }
-            Command::DownloadSegment(segment) => {
-                object = self.object().unwrap_or(object);
-                self.download_segment(now, &segment, objects)
-            }
-            Command::Block(command) => match objects.settings().block_transfer {
-                BlockTransfer::Served => {
-                    object = match command {
-                        block::Command::Upload { .. } | block::Command::Download { .. } => object,
-                        block::Command::DownloadSegment(_)
-                        | block::Command::DownloadEnd { .. }
-                        | block::Command::UploadStart
-                        | block::Command::UploadAcknowledge { .. }
-                        | block::Command::UploadEnd => self.object().unwrap_or(object),
-                    };
-                    self.block(now, object, command, objects).transpose()?
+    ) -> Option<[u8; DATA_MAX]> {
+        let (bytes, len) = (frame.bytes(), frame.dlc());
+        let [command, ..] = bytes;
+        let room = len.checked_sub(HEAD_LEN)?;
+        let in_block = self.expects_block_segment();
+        if in_block && len < 8 {
+            return None;
+        }
+        let answer = if in_block && command != ABORT {
+            self.block_segment(now, bytes, objects)
+        } else {
+            match command {
+                UPLOAD => self.upload(now, Message::from_bytes(bytes), objects),
+                0x22 | 0x23 | 0x27 | 0x2B | 0x2F => {
+                    self.download_expedited(now, bytes, room, objects)
                 }
-                BlockTransfer::Unknown => Err(AbortCode::UNKNOWN_COMMAND),
-            },
-            Command::Abort => {
-                self.transfer = None;
-                return None;
+                0x20 | 0x21 if objects.settings().expedited != Expedited::FourOnly => {
+                    if command & SIZE_INDICATED != 0 && room < 4 {
+                        return None;
+                    }
+                    self.download(now, Message::from_bytes(bytes), objects)
+                }
+                0x60 | 0x70 => self.upload_segment(now, command),
+                0x00..=0x1F => {
+                    let (_, data) = frame.data().split_first()?;
+                    let data = data.get(..SEGMENT_LEN - usize::from(command >> 1 & 7))?;
+                    self.download_segment(now, command, data, objects)
+                }
+                ABORT => {
+                    self.transfer = None;
+                    return None;
+                }
+                0xA0..=0xDF if len == 8 && A::BLOCK_TRANSFER == BlockTransfer::Served => {
+                    self.block(now, bytes, objects)
+                }
+                _ => {
+                    self.transfer = None;
+                    Err(AbortCode::UNKNOWN_COMMAND)
+                }
             }
-            Command::Unknown => Err(AbortCode::UNKNOWN_COMMAND),
         };
-        Some(outcome.unwrap_or_else(|code| {
+        answer.unwrap_or_else(|code| {
+            let request = Message::from_bytes(bytes);
+            let object = self.object().unwrap_or(request.object());
             self.transfer = None;
-            Response::Abort { object, code }
-        }))
+            Some(Message::new(ABORT, object, code.get()).to_bytes())
+        })
+    }
+
+    /// The storage is done with what [`Effect::Store`] or [`Effect::Restore`] asked for.
+    pub(crate) fn handle_stored(
+        &mut self,
+        outcome: Result<(), WriteError>,
+        settings: &Settings,
+    ) -> Option<[u8; DATA_MAX]> {
+        self.storage = Storage::Idle;
+        let Some(Transfer { step: Step::Storage { answer }, entry, .. }) = self.transfer else {
+            return None;
+        };
+        self.transfer = None;
+        Some(outcome.map_or_else(
+            |error| abort(entry, AbortCode::of_write(error, &settings.abort_codes)),
+            |()| answer,
+        ))
     }
 
     /// Gives a transfer up that waited too long.
-    pub(crate) fn handle_timeout(&mut self, now: Instant) -> Option<Response> {
+    pub(crate) fn handle_timeout(
+        &mut self,
+        now: Instant,
+        settings: &Settings,
+    ) -> Option<[u8; DATA_MAX]> {
         let expired = self.transfer.take_if(|transfer| transfer.expires_at <= now)?;
-        Some(Response::Abort { object: expired.entry.row.id, code: AbortCode::TIMEOUT })
+        let code = match expired.step {
+            Step::Storage { .. } => settings.abort_codes.not_stored,
+            Step::Upload { .. }
+            | Step::Download { .. }
+            | Step::BlockUpload(_)
+            | Step::BlockDownload(_) => AbortCode::TIMEOUT,
+        };
+        Some(abort(expired.entry, code))
     }
 
     /// When the transfer in progress is given up.
@@ -145,254 +192,304 @@ impl Server {
         self.transfer = None;
     }
 
+    /// Whether a block is on its way to the client.
+    pub(crate) const fn is_sending_block(&self) -> bool {
+        matches!(self.transfer, Some(Transfer { step: Step::BlockUpload(_), .. }))
+    }
+
+    /// The next segment of a block on its way to the client, as soon as there is room for it.
+    pub(crate) fn next_segment(&mut self) -> Option<[u8; DATA_MAX]> {
+        match &mut self.transfer {
+            Some(Transfer { step: Step::BlockUpload(upload), .. }) => {
+                upload.next_segment(&self.value)
+            }
+            Some(_) | None => None,
+        }
+    }
+
+    fn size(&self) -> u32 {
+        u32::try_from(self.value.len()).unwrap_or(u32::MAX)
+    }
+
     fn object(&self) -> Option<ObjectId> {
         self.transfer.as_ref().map(|transfer| transfer.entry.row.id)
+    }
+
+    /// Whether the next frame is a segment of a block, whatever its first byte.
+    const fn expects_block_segment(&self) -> bool {
+        match &self.transfer {
+            Some(Transfer { step: Step::BlockDownload(download), .. }) => !download.is_complete(),
+            Some(_) | None => false,
+        }
     }
 
     fn upload<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        object: ObjectId,
+        request: Message,
         objects: &mut Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let entry = objects.readable(object)?;
-        self.offer(now, entry, objects)
-    }
-
-    /// The value, or that it follows in segments.
-    fn offer<A: Application, const LEN: usize>(
-        &mut self,
-        now: Instant,
-        entry: Entry,
-        objects: &Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let object = entry.row.id;
-        let mut number = [0; 4];
-        let bytes = objects.bytes(entry, &mut number);
-        let len = u8::try_from(bytes.len()).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
-        if (1..=4).contains(&len) {
-            return Ok(Response::UploadExpedited { object, data: padded(bytes), len });
+    ) -> Answer {
+        self.transfer = None;
+        let entry = objects.readable(request.object())?;
+        if entry.row.data_type.is_text() {
+            objects.load(entry, &mut self.value)?;
+            return self.offer(now, entry);
         }
-        self.begin(now, entry, Direction::Upload { offset: 0 });
-        Ok(Response::Upload { object, size: u32::from(len) })
+        let number = objects.number(entry);
+        let answer = match objects.settings().expedited {
+            Expedited::FourOnly => request.answer(UPLOAD_ANSWER | EXPEDITED, number),
+            Expedited::AnyLength | Expedited::OneTwoOrFour | Expedited::LongerToo => {
+                let (command, mask) = match entry.row.data_type.len() {
+                    1 => (0x4F, 0xFF),
+                    2 => (0x4B, 0xFFFF),
+                    _ => (0x43, 0xFFFF_FFFF),
+                };
+                request.answer(command, number & mask)
+            }
+        };
+        Ok(Some(answer.to_bytes()))
     }
 
-    fn upload_segment<A: Application, const LEN: usize>(
-        &mut self,
-        now: Instant,
-        toggle: bool,
-        objects: &mut Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let Some(Transfer { entry, toggle: expected, expires_at, direction }) = &mut self.transfer
+    /// The loaded value, or that it follows in segments.
+    fn offer(&mut self, now: Instant, entry: Entry) -> Answer {
+        let size = self.size();
+        let answer = if (1..=4).contains(&size) {
+            let [_, a, b, c, d, ..] = segment(0, &self.value);
+            let [len, ..] = size.to_le_bytes();
+            let command = UPLOAD_ANSWER | EXPEDITED | SIZE_INDICATED | (4 - len) << 2;
+            Message::new(command, entry.row.id, u32::from_le_bytes([a, b, c, d]))
+        } else {
+            self.begin(now, entry, Step::Upload { toggle: 0, sent: 0 });
+            Message::new(UPLOAD_ANSWER | SIZE_INDICATED, entry.row.id, size)
+        };
+        Ok(Some(answer.to_bytes()))
+    }
+
+    fn upload_segment(&mut self, now: Instant, command: u8) -> Answer {
+        let Some(Transfer { expires_at, step: Step::Upload { toggle, sent }, .. }) =
+            &mut self.transfer
         else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
-        let Direction::Upload { offset } = direction else {
-            return Err(AbortCode::UNKNOWN_COMMAND);
-        };
-        if toggle != *expected {
+        let told = command & TOGGLE;
+        if told != *toggle {
             return Err(AbortCode::TOGGLE);
         }
-        let mut number = [0; 4];
-        let left = objects.bytes(*entry, &mut number).get(*offset..).unwrap_or(&[]);
-        let sent = left.get(..SEGMENT_LEN).unwrap_or(left);
-        let len = u8::try_from(sent.len()).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
-        let last = sent.len() == left.len();
-        let response = Response::UploadSegment { data: padded(sent), len, toggle, last };
-        if last {
-            self.transfer = None;
-        } else {
-            *offset += sent.len();
-            *expected = !*expected;
+        let rest = self.value.get(*sent..).unwrap_or(&[]);
+        let Some(unused) = SEGMENT_LEN.checked_sub(rest.len()) else {
+            *toggle ^= TOGGLE;
+            *sent += SEGMENT_LEN;
             *expires_at = now + SEGMENT_TIMEOUT;
+            return Ok(Some(segment(told, rest)));
+        };
+        let [unused, ..] = unused.to_le_bytes();
+        let answer = segment(told | unused << 1 | LAST, rest);
+        self.transfer = None;
+        Ok(Some(answer))
+    }
+
+    fn download_expedited<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        bytes: [u8; DATA_MAX],
+        room: u8,
+        objects: &mut Objects<'_, A, LEN>,
+    ) -> Answer {
+        let request = Message::from_bytes(bytes);
+        let [command, _, _, _, data @ ..] = bytes;
+        let indicated = (command & SIZE_INDICATED != 0).then_some(4 - (command >> 2 & 3));
+        if indicated.is_some_and(|indicated| room < indicated) {
+            return Ok(None);
         }
-        Ok(response)
+        self.transfer = None;
+        let expedited = objects.settings().expedited;
+        if indicated == Some(3) && expedited == Expedited::OneTwoOrFour {
+            return Err(AbortCode::UNKNOWN_COMMAND);
+        }
+        let entry = objects.writable(request.object())?;
+        let len = entry.row.data_type.len();
+        if indicated.map(usize::from) != Some(len) || expedited == Expedited::FourOnly {
+            if indicated.is_none() && usize::from(room) < len && len <= data.len() {
+                return Ok(None);
+            }
+            objects.check_other_len(entry.row, indicated, request.data())?;
+        }
+        let effect = if entry.row.data_type.is_text() {
+            objects.write_text(entry, data.get(..len).unwrap_or(&[]))?
+        } else {
+            objects.write_number(entry, request.data())?
+        };
+        self.finish(now, entry, effect, request.answer(DOWNLOAD_ANSWER, 0).to_bytes(), objects)
     }
 
     fn download<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        object: ObjectId,
+        request: Message,
+        objects: &Objects<'_, A, LEN>,
+    ) -> Answer {
+        let size = (request.command() & SIZE_INDICATED != 0).then_some(request.data());
+        let entry = self.accept(request, size, objects)?;
+        self.begin(now, entry, Step::Download { toggle: 0 });
+        Ok(Some(request.answer(DOWNLOAD_ANSWER, 0).to_bytes()))
+    }
+
+    /// The entry that a value of several messages is for.
+    fn accept<A: Application, const LEN: usize>(
+        &mut self,
+        request: Message,
         size: Option<u32>,
         objects: &Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let entry = objects.writable(object)?;
+    ) -> Result<Entry, AbortCode> {
+        self.transfer = None;
+        let entry = objects.writable(request.object())?;
         if let Some(size) = size {
             let size = usize::try_from(size).map_err(|_| objects.length_code(entry.row))?;
             objects.check_len(entry.row, size)?;
         }
-        if entry.row.data_type.len() > DOWNLOAD_MAX {
-            return Err(AbortCode::OUT_OF_MEMORY);
-        }
-        self.begin(now, entry, Direction::Download { received: Vec::new() });
-        Ok(Response::Download { object })
+        self.value.clear();
+        Ok(entry)
     }
 
     fn download_segment<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        segment: &Segment,
+        command: u8,
+        data: &[u8],
         objects: &mut Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let Some(Transfer { entry, toggle: expected, expires_at, direction }) = &mut self.transfer
+    ) -> Answer {
+        let Some(Transfer { entry, expires_at, step: Step::Download { toggle } }) =
+            &mut self.transfer
         else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
-        let Direction::Download { received } = direction else {
-            return Err(AbortCode::UNKNOWN_COMMAND);
-        };
-        if segment.toggle != *expected {
+        let (entry, told) = (*entry, command & TOGGLE);
+        if told != *toggle {
             return Err(AbortCode::TOGGLE);
         }
-        let fits = received.len() + segment.bytes().len() <= entry.row.data_type.len();
-        if !fits || received.extend_from_slice(segment.bytes()).is_err() {
+        let fits = self.value.len() + data.len() <= entry.row.data_type.len();
+        if !fits || self.value.extend_from_slice(data).is_err() {
             return Err(objects.length_code(entry.row));
         }
-        if segment.last {
-            objects.write(*entry, received)?;
-            self.transfer = None;
-        } else {
-            *expected = !*expected;
+        let answer = segment(DOWNLOAD_SEGMENT_ANSWER | told, &[]);
+        if command & LAST == 0 {
+            *toggle ^= TOGGLE;
             *expires_at = now + SEGMENT_TIMEOUT;
+            return Ok(Some(answer));
         }
-        Ok(Response::DownloadSegment { toggle: segment.toggle })
+        let effect = objects.write(entry, &self.value)?;
+        self.finish(now, entry, effect, answer, objects)
     }
 
-    /// `Ok(None)` when the client is to say more first, or the server sends segments.
+    /// A request of a block transfer, other than a segment.
     fn block<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        object: ObjectId,
-        command: block::Command,
+        bytes: [u8; DATA_MAX],
         objects: &mut Objects<'_, A, LEN>,
-    ) -> Result<Option<Response>, AbortCode> {
-        let response = match command {
+    ) -> Answer {
+        let request = Message::from_bytes(bytes);
+        match block::Command::parse(bytes) {
             block::Command::Upload { crc, block_len, threshold } => {
                 self.transfer = None;
-                return self
-                    .block_upload(now, object, crc, block_len, threshold, objects)
-                    .map(Some);
+                let entry = objects.readable(request.object())?;
+                let upload = block::Upload::new(crc, block_len)?;
+                objects.load(entry, &mut self.value)?;
+                if self.size() <= threshold.into() && threshold != 0 {
+                    return self.offer(now, entry);
+                }
+                self.begin(now, entry, Step::BlockUpload(upload));
+                Ok(Some(request.answer(block::UPLOAD_ANSWER, self.size()).to_bytes()))
             }
             block::Command::Download { size, crc } => {
-                self.download(now, object, size, objects)?;
-                let direction = Direction::BlockDownload(block::Download::new(crc));
-                if let Some(transfer) = &mut self.transfer {
-                    transfer.direction = direction;
-                }
-                Some(block::Response::Download)
-            }
-            block::Command::DownloadSegment(segment) => {
-                let (entry, download) = self.block_download()?;
-                let len = entry.row.data_type.len();
-                let taken = download.take(&segment, len);
-                taken.ok_or_else(|| objects.length_code(entry.row))?
+                let entry = self.accept(request, size, objects)?;
+                self.begin(now, entry, Step::BlockDownload(block::Download::new(crc)));
+                let block_len = block::BLOCK_LEN_MAX.into();
+                Ok(Some(request.answer(block::DOWNLOAD_ANSWER, block_len).to_bytes()))
             }
             block::Command::DownloadEnd { unused, crc } => {
-                let (entry, download) = self.block_download()?;
-                objects.write(entry, download.end(unused, crc)?)?;
-                self.transfer = None;
-                Some(block::Response::DownloadEnd)
+                let Some(Transfer { entry, step: Step::BlockDownload(download), .. }) =
+                    self.transfer
+                else {
+                    return Err(AbortCode::UNKNOWN_COMMAND);
+                };
+                let effect = objects.write(entry, download.end(&self.value, unused, crc)?)?;
+                self.finish(now, entry, effect, segment(block::DOWNLOAD_END_ANSWER, &[]), objects)
             }
-            block::Command::UploadStart => {
-                self.block_upload_in_progress()?.start()?;
-                None
-            }
+            block::Command::UploadStart => self.block_upload(now)?.0.start().map(|()| None),
             block::Command::UploadAcknowledge { number, block_len } => {
-                self.block_upload_in_progress()?.acknowledge(number, block_len)?
+                let (upload, value) = self.block_upload(now)?;
+                upload.acknowledge(value, number, block_len)
             }
             block::Command::UploadEnd => {
-                self.block_upload_in_progress()?.end()?;
+                self.block_upload(now)?.0.end()?;
                 self.transfer = None;
-                None
+                Ok(None)
             }
-        };
-        if let Some(transfer) = &mut self.transfer {
-            transfer.expires_at = now + SEGMENT_TIMEOUT;
         }
-        Ok(response.map(|response| Response::Block { object, response }))
     }
 
-    /// A value no longer than the client's threshold goes without blocks.
-    fn block_upload<A: Application, const LEN: usize>(
+    fn block_segment<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        object: ObjectId,
-        crc: block::Crc,
-        block_len: u8,
-        threshold: u8,
-        objects: &mut Objects<'_, A, LEN>,
-    ) -> Result<Response, AbortCode> {
-        let entry = objects.readable(object)?;
-        let mut number = [0; 4];
-        let value = objects.bytes(entry, &mut number);
-        let upload = block::Upload::new(value, crc, block_len)?;
-        let size = u32::try_from(value.len()).map_err(|_| AbortCode::OUT_OF_MEMORY)?;
-        if size <= u32::from(threshold) && threshold != 0 {
-            return self.offer(now, entry, objects);
-        }
-        self.begin(now, entry, Direction::BlockUpload(upload));
-        Ok(Response::Block { object, response: block::Response::Upload { size } })
+        bytes: [u8; DATA_MAX],
+        objects: &Objects<'_, A, LEN>,
+    ) -> Answer {
+        let Some(Transfer { entry, expires_at, step: Step::BlockDownload(download) }) =
+            &mut self.transfer
+        else {
+            return Err(AbortCode::UNKNOWN_COMMAND);
+        };
+        *expires_at = now + SEGMENT_TIMEOUT;
+        let len = entry.row.data_type.len();
+        download.take(bytes, &mut self.value, len).map_err(|_| objects.length_code(entry.row))
     }
 
-    fn block_upload_in_progress(&mut self) -> Result<&mut block::Upload, AbortCode> {
-        match self.transfer.as_mut().map(|transfer| &mut transfer.direction) {
-            Some(Direction::BlockUpload(upload)) => Ok(upload),
-            Some(
-                Direction::BlockDownload(_) | Direction::Upload { .. } | Direction::Download { .. },
-            )
-            | None => Err(AbortCode::UNKNOWN_COMMAND),
-        }
-    }
-
-    fn block_download(&mut self) -> Result<(Entry, &mut block::Download), AbortCode> {
+    /// The block upload in progress, which the client goes on with, and the value.
+    fn block_upload(&mut self, now: Instant) -> Result<(&mut block::Upload, &[u8]), AbortCode> {
         match &mut self.transfer {
-            Some(Transfer { entry, direction: Direction::BlockDownload(download), .. }) => {
-                Ok((*entry, download))
+            Some(Transfer { expires_at, step: Step::BlockUpload(upload), .. }) => {
+                *expires_at = now + SEGMENT_TIMEOUT;
+                Ok((upload, &self.value))
             }
             Some(_) | None => Err(AbortCode::UNKNOWN_COMMAND),
         }
     }
 
-    fn begin(&mut self, now: Instant, entry: Entry, direction: Direction) {
-        let expires_at = now + SEGMENT_TIMEOUT;
-        self.transfer = Some(Transfer { entry, toggle: false, expires_at, direction });
+    fn begin(&mut self, now: Instant, entry: Entry, step: Step) {
+        self.transfer = Some(Transfer { entry, expires_at: now + SEGMENT_TIMEOUT, step });
+    }
+
+    /// A value was written. The answer waits for the storage if that has to act.
+    fn finish<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        entry: Entry,
+        effect: Effect,
+        answer: [u8; DATA_MAX],
+        objects: &mut Objects<'_, A, LEN>,
+    ) -> Answer {
+        self.transfer = None;
+        match (effect, self.storage) {
+            (Effect::None | Effect::Changed(_), _) => {
+                objects.bring_about(effect);
+                Ok(Some(answer))
+            }
+            (Effect::Store { .. } | Effect::Restore { .. }, Storage::Idle) => {
+                objects.bring_about(effect);
+                self.storage = Storage::Busy;
+                let expires_at = now + STORAGE_TIMEOUT;
+                self.transfer =
+                    Some(Transfer { entry, expires_at, step: Step::Storage { answer } });
+                Ok(None)
+            }
+            (Effect::Store { .. } | Effect::Restore { .. }, Storage::Busy) => {
+                Err(AbortCode::DEVICE_STATE)
+            }
+        }
     }
 }
 
-/// `Ok(None)` when the frame ends before the object's length: it is no request at all.
-fn download_expedited<A: Application, const LEN: usize>(
-    object: ObjectId,
-    data: Expedited,
-    objects: &mut Objects<'_, A, LEN>,
-) -> Result<Option<Response>, AbortCode> {
-    match data {
-        Expedited::Indicated { data, len } => {
-            if len == 3 && objects.settings().expedited == settings::Expedited::OneTwoOrFour {
-                return Err(AbortCode::UNKNOWN_COMMAND);
-            }
-            let entry = objects.writable(object)?;
-            objects.write(entry, data.get(..usize::from(len)).unwrap_or(&[]))?;
-        }
-        Expedited::AsObject { data, room } => {
-            let entry = objects.writable(object)?;
-            let len = entry.row.data_type.len();
-            let (bytes, excess) =
-                data.split_at_checked(len).ok_or_else(|| objects.length_code(entry.row))?;
-            if usize::from(room) < len {
-                return Ok(None);
-            }
-            objects.check_excess(excess)?;
-            objects.write(entry, bytes)?;
-        }
-    }
-    Ok(Some(Response::Download { object }))
-}
-
-/// The bytes, filled with zeros.
-fn padded<const N: usize>(bytes: &[u8]) -> [u8; N] {
-    let mut filled = [0; N];
-    for (place, &byte) in filled.iter_mut().zip(bytes) {
-        *place = byte;
-    }
-    filled
+fn abort(entry: Entry, code: AbortCode) -> [u8; DATA_MAX] {
+    Message::new(ABORT, entry.row.id, code.get()).to_bytes()
 }

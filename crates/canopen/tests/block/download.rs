@@ -2,7 +2,7 @@ use proptest::prelude::*;
 use units::Duration;
 
 use crate::client::{begin, end, segments};
-use crate::{SETTINGS, Server, abort};
+use crate::{Server, abort};
 
 const NAME: &[u8; 32] = b"A name of thirty-two characters.";
 
@@ -24,7 +24,7 @@ const DONE: [u8; 8] = [0xA1, 0, 0, 0, 0, 0, 0, 0];
 /// CiA 301, sections 7.2.4.3.9 to 7.2.4.3.12.
 #[test]
 fn texts_and_numbers_are_written() {
-    let mut server = Server::new(&SETTINGS);
+    let mut server = Server::new();
     initiated(&mut server, 0x2007, 32);
     acknowledged(&mut server, &segments(NAME), 5);
     assert_eq!(server.answer(end(NAME)), DONE);
@@ -40,7 +40,7 @@ proptest! {
     /// order, numbered from 1 again.
     #[test]
     fn a_lost_segment_is_sent_again(lost in 0..4_usize) {
-        let mut server = Server::new(&SETTINGS);
+        let mut server = Server::new();
         initiated(&mut server, 0x2007, 32);
         let mut frames = segments(NAME);
         frames.remove(lost);
@@ -54,7 +54,7 @@ proptest! {
 /// CiA 301, section 7.2.4.3.17; nothing is written when anything is wrong.
 #[test]
 fn a_mistake_writes_nothing() {
-    let mut server = Server::new(&SETTINGS);
+    let mut server = Server::new();
     for (value, last, code) in [
         (&NAME[..], end(b"Another"), 0x0504_0004),
         (&NAME[..], [0xC6, 0x07, 0x20, 0, 33, 0, 0, 0], 0x0607_0010),
@@ -79,7 +79,7 @@ fn a_mistake_writes_nothing() {
 /// CiA 301, section 7.2.4.3.10: more than the object holds ends the transfer at once.
 #[test]
 fn too_much_ends_the_transfer() {
-    let mut server = Server::new(&SETTINGS);
+    let mut server = Server::new();
     assert_eq!(server.answer([0xC4, 0x17, 0x10, 0, 0, 0, 0, 0])[0], 0xA4);
     assert_eq!(server.ask([1, 0, 0, 0, 0, 0, 0, 0]), [[0; 8]; 0]);
     assert_eq!(server.answer([2, 0, 0, 0, 0, 0, 0, 0]), abort(0x1017, 0x0607_0010));
@@ -88,7 +88,7 @@ fn too_much_ends_the_transfer() {
 /// CiA 301, section 7.2.4.3.12: the checksum counts only where the client uses it.
 #[test]
 fn a_client_without_checksum_needs_none() {
-    let mut server = Server::new(&SETTINGS);
+    let mut server = Server::new();
     assert_eq!(server.answer([0xC2, 0x17, 0x10, 0, 2, 0, 0, 0])[0], 0xA4);
     acknowledged(&mut server, &segments(&[0, 0]), 1);
     assert_eq!(server.answer([0xD5, 0xAA, 0x55, 0, 0, 0, 0, 0]), DONE);
@@ -97,7 +97,7 @@ fn a_client_without_checksum_needs_none() {
 /// CiA 301, section 7.2.4.3.17: the abort counts among segments too, and silence has its answer.
 #[test]
 fn an_abort_or_silence_ends_the_transfer() {
-    let mut server = Server::new(&SETTINGS);
+    let mut server = Server::new();
     initiated(&mut server, 0x2007, 32);
     assert_eq!(server.ask(abort(0x2007, 0x0800_0000)), [[0; 8]; 0]);
     assert_eq!(server.node.poll_timeout(), None);

@@ -21,8 +21,6 @@ const COMMAND: Object<u8> = Object::new(0x200A, 0, "Command").write_only().withi
 
 object_dictionary::product! { pub(crate) HEARTBEAT, NAME, LOG, NOTE, COMMAND }
 
-static SETTINGS: Settings = Settings { block_transfer: BlockTransfer::Served, ..Settings::CIA_301 };
-
 const SDO_REQUEST: u16 = 0x605;
 const SDO_RESPONSE: u16 = 0x585;
 
@@ -35,6 +33,8 @@ struct Texts {
 }
 
 impl Application for Texts {
+    const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
+
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
         match row.id {
             id if id == NAME.id() => Some(&self.name),
@@ -58,9 +58,9 @@ struct Server {
 }
 
 impl Server {
-    fn new(settings: &'static Settings) -> Self {
+    fn new() -> Self {
         let now = Instant::ZERO;
-        let mut node = Node::new(&DICTIONARY, NodeId::new(5).unwrap(), settings);
+        let mut node = Node::new(&DICTIONARY, NodeId::new(5).unwrap(), &Settings::CIA_301);
         node.boot(now);
         while node.take_transmit().is_some() {}
         Self { node, texts: Texts::default(), now }

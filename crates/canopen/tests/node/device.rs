@@ -2,8 +2,8 @@
 //! standard library can include it too.
 
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, Application, BlockTransfer, BusOff, BusRules,
-    Emergency, ErrorBehaviour, Expedited, Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError,
+    AbortCode, AbortCodes, AdditionalInformation, Application, BusOff, BusRules, Emergency,
+    ErrorBehaviour, Expedited, Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError,
     ReceiveErrors, Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
@@ -38,7 +38,6 @@ pub(crate) static SETTINGS: Settings = Settings {
         off: BusOff::NoReason,
     },
     error_behaviour: ErrorBehaviour::InOperational,
-    block_transfer: BlockTransfer::Unknown,
     additional_information: AdditionalInformation::LastByte,
     lss: None,
     abort_codes: AbortCodes {
@@ -201,8 +200,6 @@ impl Device {
     }
 }
 
-const SAVE: u32 = 0x6576_6173;
-
 impl Application for Device {
     fn read(&mut self, _slot: Slot, row: &Row) -> Result<(), ReadError> {
         if row.id == READING.id() { Err(ReadError::NoData) } else { Ok(()) }
@@ -212,10 +209,8 @@ impl Application for Device {
         (row.id == MESSAGE.id()).then_some(&self.message)
     }
 
-    fn write(&mut self, _slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
+    fn write(&mut self, _slot: Slot, row: &Row, _raw: u32) -> Result<Written, WriteError> {
         match row.id {
-            id if id == STORE.id() && raw == SAVE => Ok(Written::Ignored),
-            id if id == STORE.id() => Err(WriteError::WrongSignature),
             id if id == CLAMP.id() => Err(WriteError::Hardware),
             _ => Ok(Written::Taken),
         }

@@ -1,14 +1,14 @@
 //! Runs a node through a script and writes down everything it does.
 //!
 //! A script has one step a line: `MS boot`, `MS < ID BYTES`, `MS remote ID LEN`,
-//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`, `MS overrun`, `MS trigger PDO`,
-//! `MS end`. Between the steps the clock jumps from deadline to
-//! deadline. The transcript has `<` for what the node receives, `>` for what it sends and `*` for
-//! its events; a frame is written as ID, length and bytes.
+//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`,
+//! `MS overrun`, `MS trigger PDO`, `MS stored`, `MS not stored`, `MS end`. Between the steps the
+//! clock jumps from deadline to deadline. The transcript has `<` for what the node receives, `>` for
+//! what it sends and `*` for its events; a frame is written as ID, length and bytes.
 
 use std::fmt::Write as _;
 
-use canopen::{Application, BusState, CanId, Event, Frame, Node};
+use canopen::{Application, BusState, CanId, Event, Frame, Node, WriteError};
 use object_dictionary::{ObjectId, Slot};
 use units::{Duration, Instant};
 
@@ -81,6 +81,8 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
             "trigger" => self.node.trigger_tpdo(self.now, rest.parse().expect("a number")),
             "bus" => self.node.handle_bus(self.now, bus_state(rest)),
             "overrun" => self.node.handle_overrun(),
+            "stored" => self.node.handle_stored(Ok(())),
+            "not" => self.node.handle_stored(Err(WriteError::NotStored)),
             "end" => {}
             _ => panic!("unknown step: {step}"),
         }
@@ -99,6 +101,8 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
                 Event::StateChanged { from, to } => format!("{from:?} to {to:?}"),
                 Event::ResetNode
                 | Event::ResetCommunication
+                | Event::Store { .. }
+                | Event::Restore { .. }
                 | Event::FiltersChanged
                 | Event::PdoOverdue { .. }
                 | Event::BusStateChanged { .. }

@@ -1,7 +1,7 @@
 //! Telegrams that must come out byte for byte. Plain data and one function, so that a test binary
 //! without the standard library can include it too; it needs the module `device` beside it.
 
-use canopen::{CanId, Frame};
+use canopen::{CanId, Event, Frame};
 use object_dictionary::ObjectId;
 use units::Instant;
 
@@ -60,6 +60,11 @@ pub(crate) fn first_failure() -> Option<&'static str> {
         |Vector { name, request: (id, data), response: (answer_id, answer) }| {
             let frame = Frame::new(CanId::new(*id)?, data)?;
             node.handle_frame(now, &frame, &mut device);
+            while let Some(event) = node.poll_event() {
+                if event == (Event::Store { sub: 1 }) {
+                    node.handle_stored(Ok(()));
+                }
+            }
             let right = node
                 .take_transmit()
                 .is_some_and(|frame| frame.id().get() == *answer_id && frame.data() == *answer);
