@@ -15,10 +15,10 @@ ANSWER_TIME_MAX_S = 60
 class Bench:
     """The device on its virtual bus, with virtual time following the wall clock."""
 
-    def __init__(self, product):
+    def __init__(self, product, *options):
         self.process = subprocess.Popen(
             [os.environ.get("SPINDLE_BENCH", "target/debug/bench"), "up", product, "--no-tui"]
-            + ["--slcan", "127.0.0.1:0", "--control", "127.0.0.1:0"],
+            + ["--slcan", "127.0.0.1:0", "--control", "127.0.0.1:0", *options],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             text=True,
@@ -44,9 +44,9 @@ class Bench:
         return self.process.wait(timeout=ANSWER_TIME_MAX_S)
 
 
-@pytest.fixture(scope="session")
-def bench():
-    bench = Bench("nm172")
+@pytest.fixture(scope="session", params=["twin", "image"])
+def bench(request):
+    bench = Bench("nm172", "--engine", request.param)
     yield bench
     assert bench.stop() == 0
 

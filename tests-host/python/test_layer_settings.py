@@ -1,51 +1,60 @@
-"""Layer setting services as python-canopen sends them (CiA 305)."""
+"""Node-ID and bit rate over the bus, as python-canopen sets them, on an encoder."""
 
 import canopen
 import pytest
-from canopen import lss as services
 
 import conftest
 
-NODE_ID = 127
-OTHER_NODE_ID = 42
+VENDOR, PRODUCT, REVISION, SERIAL = 0xEC, 0x0A, 0x01090001, 1
 
 
 @pytest.fixture
-def lss(network, node):
+def encoder():
+    bench = conftest.Bench("gxmm", "--engine", "twin")
+    network = attach(bench, 50_000)
+    network.nmt.state = "STOPPED"
+    yield bench, network
+    network.disconnect()
+    assert bench.stop() == 0
+
+
+def attach(bench, bit_rate):
+    network = canopen.Network()
+    network.connect(
+        interface="slcan", channel=bench.slcan, bitrate=bit_rate, sleep_after_open=0
+    )
     network.lss.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
-    yield network.lss
-    network.lss.send_switch_state_global(network.lss.WAITING_STATE)
+    return network
 
 
-@pytest.fixture
-def identity(node):
-    return [int.from_bytes(node.sdo.upload(0x1018, sub), "little") for sub in (1, 2, 3, 4)]
-
-
-def test_everybody_tells_who_it_is(lss, identity):
-    """NM17x LSS-01, LSS-02, LSS-08: without a node-ID or a data sheet."""
-    lss.send_switch_state_global(lss.CONFIGURATION_STATE)
+def test_inquiries(encoder):
+    """Encoder EN-LSS-02, EN-LSS-08."""
+    _, network = encoder
+    network.lss.send_switch_state_global(network.lss.CONFIGURATION_STATE)
     inquiries = [
-        services.CS_INQUIRE_VENDOR_ID,
-        services.CS_INQUIRE_PRODUCT_CODE,
-        services.CS_INQUIRE_REVISION_NUMBER,
-        services.CS_INQUIRE_SERIAL_NUMBER,
+        (canopen.lss.CS_INQUIRE_VENDOR_ID, VENDOR),
+        (canopen.lss.CS_INQUIRE_PRODUCT_CODE, PRODUCT),
+        (canopen.lss.CS_INQUIRE_REVISION_NUMBER, REVISION),
+        (canopen.lss.CS_INQUIRE_SERIAL_NUMBER, SERIAL),
     ]
-    assert [lss.inquire_lss_address(inquiry) for inquiry in inquiries] == identity
+    for command, expected in inquiries:
+        assert network.lss.inquire_lss_address(command) == expected
+    assert network.lss.inquire_node_id() == 1
 
 
-def test_one_device_gets_a_node_id(network, node, lss, identity):
-    """NM17x ADDR-03, ADDR-04, ADDR-06, LSS-03, LSS-04, LSS-06, LSS-09: chosen by its identity, in
-    force and kept after a restart."""
-    moved = network.add_node(canopen.RemoteNode(OTHER_NODE_ID, canopen.ObjectDictionary()))
-    for present, wanted in [(node, moved), (moved, node)]:
-        assert lss.send_switch_state_selective(*identity)
-        with pytest.raises(services.LssError):
-            lss.configure_node_id(0)
-        lss.configure_node_id(wanted.id)
-        lss.store_configuration()
-        lss.send_switch_state_global(lss.WAITING_STATE)
-        present.nmt.state = "RESET"
-        wanted.nmt.wait_for_bootup(timeout=conftest.ANSWER_TIME_MAX_S)
-        wanted.sdo.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
-        assert wanted.sdo.upload(0x2101, 0) == bytes([wanted.id])
+def test_node_id_and_bit_rate(encoder):
+    """Encoder EN-LSS-03 to EN-LSS-06, EN-CFG-01: selected, configured, stored, in force afterwards."""
+    bench, network = encoder
+    assert network.lss.send_switch_state_selective(VENDOR, PRODUCT, REVISION, SERIAL)
+    network.lss.configure_node_id(9)
+    network.lss.configure_bit_timing(0)
+    network.lss.store_configuration()
+    bench.tell("power", on=False)
+    network.disconnect()
+    fast = attach(bench, 1_000_000)
+    node = fast.add_node(canopen.RemoteNode(9, canopen.ObjectDictionary()))
+    bench.tell("power", on=True)
+    node.nmt.wait_for_bootup(conftest.ANSWER_TIME_MAX_S)
+    assert node.sdo.upload(0x2101, 0) == b"\x09"
+    assert node.sdo.upload(0x2100, 0) == b"\x08"
+    fast.disconnect()

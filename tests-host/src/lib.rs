@@ -7,12 +7,14 @@
 mod bench;
 mod build;
 mod control;
+mod fleet;
 mod scene;
 mod slcan;
 
 pub use bench::Bench;
 pub use build::{bench_program, images};
 pub use control::Control;
+pub use fleet::fleet;
 pub use scene::Scene;
 pub use slcan::{Frame, Slcan};
 

@@ -22,6 +22,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     // Cores
     ("interface",         &["canopen", "object-dictionary", "profiles", "shared-proto", "units"]),
     ("application",       &["lcd", "object-dictionary", "positioning", "profiles", "shared-proto", "units"]),
+    ("position-sensor",   &["canopen", "object-dictionary", "profiles", "units"]),
     // Shells
     ("firmware-board",    &["shared-proto", "storage", "units"]),
     ("firmware-stm",      &["canopen", "firmware-board", "interface", "profiles", "shared-proto", "units"]),
@@ -30,7 +31,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     // Bench
     ("world",             &["units"]),
     ("emulated",          &["units", "world"]),
-    ("twin",              &["application", "canopen", "interface", "lcd", "profiles", "shared-proto", "units", "world"]),
+    ("twin",              &["application", "canopen", "interface", "lcd", "position-sensor", "profiles", "shared-proto", "units", "world"]),
     ("bench",             &["emulated", "twin", "units", "world"]),
     // Tests and tools
     ("tests-fuzz",        &["canopen", "dev1", "object-dictionary", "shared-proto", "units"]),

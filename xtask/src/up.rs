@@ -17,9 +17,17 @@ pub(crate) fn up(arguments: &[&str]) -> Result<(), Failure> {
     let Some(name) = arguments.first().filter(|first| !first.starts_with('-')) else {
         return Err(Failure::Usage("which product? Try: cargo xtask up nm172".to_owned()));
     };
-    images::build(images::product(name)?)?;
+    if !names_twin(arguments) {
+        images::build(images::product(name)?)?;
+    }
     let bench = build_bench()?;
     become_program(Command::new(bench).arg("up").args(arguments))
+}
+
+/// Whether the devices are made without images.
+fn names_twin(arguments: &[&str]) -> bool {
+    arguments.contains(&"--engine=twin")
+        || arguments.windows(2).any(|pair| pair == ["--engine", "twin"])
 }
 
 /// Builds the images and runs the measuring program on them.

@@ -43,7 +43,7 @@ a/d hold the left/right key, f/g switch the inputs, p switches the supply, q qui
 /// Everything `bench up` can be told.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Up {
-    /// The product whose images run, such as nm172.
+    /// The product, such as nm172.
     pub product: String,
 
     /// What the devices are made of.

@@ -28,15 +28,23 @@ pub fn directory() -> PathBuf {
     workspace.join(target.unwrap_or_else(|| "target".into())).join(BELOW_TARGET)
 }
 
-/// Says what is wrong when nobody makes such a product.
+/// Says what is wrong when `engine` makes no such product.
 ///
 /// # Errors
-/// A sentence with the products there are.
-pub fn check_product(product: &str) -> Result<(), String> {
-    if PRODUCTS.contains(&product) {
-        return Ok(());
+/// A sentence with what helps.
+pub fn check_product(product: &str, engine: EngineKind) -> Result<(), String> {
+    let twin = twin::kind(product).is_some();
+    match engine {
+        EngineKind::Image if PRODUCTS.contains(&product) => Ok(()),
+        EngineKind::Image if twin => {
+            Err(format!("there are no images of {product:?}: use --engine twin"))
+        }
+        EngineKind::Twin if twin => Ok(()),
+        EngineKind::Image | EngineKind::Twin => {
+            let products: Vec<_> = twin::slugs().collect();
+            Err(format!("there is no product {product:?}: this bench has {}", products.join(", ")))
+        }
     }
-    Err(format!("there is no product {product:?}: this bench has {}", PRODUCTS.join(", ")))
 }
 
 /// The engine `up` asks for, on `kept` flash contents.
@@ -67,10 +75,10 @@ fn image_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String
 }
 
 fn twin_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String> {
-    let product = twin::product(&up.product)
-        .ok_or_else(|| format!("there is no twin of {:?}: use --engine image", up.product))?;
+    let kind =
+        twin::kind(&up.product).ok_or_else(|| format!("there is no twin of {:?}", up.product))?;
     let options = twin::Options { nodes: nodes(up), seed: up.seed, flash };
-    let fleet = twin::Fleet::new(product, options).map_err(|error| error.to_string())?;
+    let fleet = twin::Fleet::new(kind, options).map_err(|error| error.to_string())?;
     Ok(Box::new(fleet))
 }
 

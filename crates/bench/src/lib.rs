@@ -49,7 +49,7 @@ use crate::slcan::Channel;
 use crate::stage::Stage;
 use crate::state::StateDir;
 
-/// Products this bench can put on its bus.
+/// Products that have images; the twin engine has more.
 pub const PRODUCTS: [&str; 1] = ["nm172"];
 
 /// What a bench is started with, besides its engine.

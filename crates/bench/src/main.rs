@@ -33,7 +33,7 @@ fn main() -> ExitCode {
 }
 
 fn start(up: &Up) -> Result<Bench, String> {
-    images::check_product(&up.product)?;
+    images::check_product(&up.product, up.engine)?;
     let state = up.state.as_deref().map(|dir| StateDir::open(dir, &up.product)).transpose()?;
     let nodes = usize::try_from(up.nodes).unwrap_or(usize::MAX);
     let kept = state.as_ref().map(|state| state.load(nodes)).transpose()?.unwrap_or_default();

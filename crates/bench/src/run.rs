@@ -34,6 +34,13 @@ pub const UNREAD_MAX: usize = 16 << 20;
 /// Virtual time between two looks at the outside.
 pub const SLICE: Duration = Duration::from_millis(1);
 
+/// The same for a while after somebody said something: an answer is on its way, and whoever waits for
+/// it is not to wait longer than the bus takes.
+const LIVELY_SLICE: Duration = Duration::from_micros(50);
+
+/// How long that while is.
+const LIVELY_FOR: Duration = Duration::from_millis(5);
+
 /// Events dealt with between two slices, so that a flood does not stop virtual time.
 const EVENTS_PER_SLICE: usize = 256;
 
@@ -198,10 +205,14 @@ impl Run {
 
     fn go_by_wall_clock(&mut self) {
         let mut pace = Pace::new(wall_us(), self.stage.engine.now());
+        let mut lively_until = self.stage.engine.now();
         while !self.stopper.stopped() && self.stage.failure().is_none() {
             for _ in 0..EVENTS_PER_SLICE {
                 match self.events.try_recv() {
-                    Ok(event) => self.handle(event),
+                    Ok(event) => {
+                        self.handle(event);
+                        lively_until = self.stage.engine.now() + LIVELY_FOR;
+                    }
                     Err(TryRecvError::Empty) => break,
                     Err(TryRecvError::Disconnected) => return,
                 }
@@ -209,13 +220,17 @@ impl Run {
             let now = self.stage.engine.now();
             let due = pace.due(wall_us(), now);
             self.factor = pace.factor();
-            if due >= now + SLICE {
-                self.slice(now + SLICE);
+            let slice = if now < lively_until { LIVELY_SLICE } else { SLICE };
+            if due >= now + slice {
+                self.slice(due.min(now + SLICE));
             } else {
                 self.serve();
-                let wait = SLICE.as_micros() - due.since(now).as_micros();
+                let wait = slice.as_micros() - due.since(now).as_micros();
                 match self.events.recv_timeout(std::time::Duration::from_micros(wait)) {
-                    Ok(event) => self.handle(event),
+                    Ok(event) => {
+                        self.handle(event);
+                        lively_until = now + LIVELY_FOR;
+                    }
                     Err(RecvTimeoutError::Timeout) => {}
                     Err(RecvTimeoutError::Disconnected) => return,
                 }

@@ -91,6 +91,8 @@ pub enum WriteError {
     Hardware,
     /// Not in the present state of the device.
     DeviceState,
+    /// The row permits the value, which lies above what the product takes now.
+    AboveMaximum,
     /// Anything else.
     Failed,
 }

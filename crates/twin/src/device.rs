@@ -1,21 +1,45 @@
-//! One device: both controllers, the line between them, and what surrounds it.
+//! One device and what surrounds it.
 
 use std::sync::{Mutex, PoisonError};
 
+use position_sensor::Model;
 use profiles::Product;
 use world::can::{Delivery, PortState};
-use world::{Dice, EngineError, FlashImage, Link, Mcu, McuStats, MotorOutputs, Surroundings};
+use world::{EngineError, FlashImage, Mcu, McuStats, Surroundings};
 
-use crate::board::{Board, Cause};
-use crate::line::Line;
-use crate::memory::Kept;
-use crate::msp::Msp;
-use crate::stm::Stm;
+use crate::board::Board;
+use crate::pair::Pair;
+use crate::single::Single;
+
+/// What devices are made of.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// Two controllers.
+    Pair(&'static Product),
+    /// One controller.
+    Single(&'static Model),
+}
+
+/// What the products are called on the command line.
+pub fn slugs() -> impl Iterator<Item = &'static str> {
+    kinds().map(|(slug, _)| slug)
+}
+
+/// The kind of devices that is called `slug`.
+#[must_use]
+pub fn kind(slug: &str) -> Option<Kind> {
+    kinds().find(|(name, _)| *name == slug).map(|(_, kind)| kind)
+}
+
+fn kinds() -> impl Iterator<Item = (&'static str, Kind)> {
+    let pairs = [&profiles::nm170::PRODUCT, &profiles::nm172::PRODUCT, &profiles::nm174::PRODUCT];
+    let pairs = pairs.into_iter().map(|product| (product.slug, Kind::Pair(product)));
+    pairs.chain(position_sensor::MODELS.iter().map(|model| (model.slug, Kind::Single(model))))
+}
 
 /// What makes one device another than the next.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
-    pub(crate) product: &'static Product,
     pub(crate) serial_number: u32,
     /// Decides what a bad line does.
     pub(crate) seed: u64,
@@ -25,53 +49,13 @@ pub(crate) struct Make {
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(crate) surroundings: Mutex<Surroundings>,
-    make: Make,
-    stm: Option<Stm>,
-    msp: Option<Msp>,
-    stm_board: Board,
-    msp_board: Board,
-    to_stm: Line,
-    to_msp: Line,
-    line_noise: Dice,
-    frames_taken_before: u64,
+    controllers: Controllers,
 }
 
-/// What a core's shell reaches while it hands on what the core brought about.
 #[derive(Debug)]
-pub(crate) struct Outgoing<'a> {
-    pub(crate) now_ns: u64,
-    pub(crate) board: &'a mut Board,
-    line: &'a mut Line,
-    faults: Link,
-    noise: &'a mut Dice,
-}
-
-impl Outgoing<'_> {
-    pub(crate) fn has_room(&self) -> bool {
-        self.line.has_room(self.now_ns)
-    }
-
-    pub(crate) fn send(&mut self, frame: &[u8]) {
-        self.line.send(self.now_ns, frame, self.faults, self.noise);
-    }
-
-    pub(crate) fn keep(&mut self, key: u32, number: u32) -> Kept {
-        self.board.memory.keep(key, number)
-    }
-
-    pub(crate) fn keep_set(&mut self, set: impl IntoIterator<Item = (u32, u32)>) -> Kept {
-        self.board.memory.keep_set(set)
-    }
-
-    pub(crate) fn forget(&mut self) -> Kept {
-        self.board.memory.forget()
-    }
-
-    /// The controller restarts once the other one has been sent everything.
-    pub(crate) fn restart(&mut self) {
-        let at = self.line.sent_at().max(self.now_ns);
-        self.board.restart_at_ns.get_or_insert(at);
-    }
+enum Controllers {
+    Pair(Pair),
+    Single(Single),
 }
 
 impl Device {
@@ -79,159 +63,92 @@ impl Device {
     ///
     /// # Errors
     /// When that is not this engine's.
-    pub(crate) fn new(make: Make, kept: &[Option<FlashImage>; 2]) -> Result<Self, EngineError> {
-        let [stm, msp] = kept;
-        Ok(Self {
-            surroundings: Mutex::default(),
-            make,
-            stm: None,
-            msp: None,
-            stm_board: Board::new(stm.as_ref())?,
-            msp_board: Board::new(msp.as_ref())?,
-            to_stm: Line::default(),
-            to_msp: Line::default(),
-            line_noise: Dice::new(make.seed, make.serial_number.into()),
-            frames_taken_before: 0,
-        })
+    pub(crate) fn new(
+        kind: Kind,
+        make: Make,
+        kept: &[Option<FlashImage>; 2],
+    ) -> Result<Self, EngineError> {
+        let controllers = match kind {
+            Kind::Pair(product) => Controllers::Pair(Pair::new(product, make, kept)?),
+            Kind::Single(model) => Controllers::Single(Single::new(model, make, kept)?),
+        };
+        Ok(Self { surroundings: Mutex::default(), controllers })
+    }
+
+    fn parts(&mut self) -> (&mut Controllers, &mut Surroundings) {
+        let world = self.surroundings.get_mut().unwrap_or_else(PoisonError::into_inner);
+        (&mut self.controllers, world)
     }
 
     /// The supply comes.
     pub(crate) fn power_on(&mut self, now_ns: u64) {
-        if self.stm.is_none() {
-            self.start_stm(now_ns, Cause::PowerOn);
-        }
-        if self.msp.is_none() {
-            self.start_msp(now_ns, Cause::PowerOn);
+        match self.parts() {
+            (Controllers::Pair(pair), world) => pair.power_on(now_ns, world),
+            (Controllers::Single(single), _) => single.power_on(now_ns),
         }
     }
 
     /// The supply goes.
     pub(crate) fn power_off(&mut self, now_ns: u64) {
-        self.stop_stm();
-        self.stop_msp(now_ns);
-        self.to_stm = Line::default();
-        self.to_msp = Line::default();
-    }
-
-    fn start_stm(&mut self, now_ns: u64, cause: Cause) {
-        self.stop_stm();
-        self.stm_board.start(now_ns, cause);
-        let Make { product, serial_number, .. } = self.make;
-        self.stm = Some(Stm::new(now_ns, product, serial_number, &self.stm_board));
-    }
-
-    fn start_msp(&mut self, now_ns: u64, cause: Cause) {
-        self.world().drive_motor(now_ns, MotorOutputs::default());
-        self.msp_board.start(now_ns, cause);
-        self.msp = Some(Msp::new(now_ns, self.make.product, &self.msp_board));
-    }
-
-    fn stop_stm(&mut self) {
-        self.frames_taken_before += self.stm.take().map_or(0, |stm| stm.frames_taken());
-        self.stm_board.restart_at_ns = None;
-    }
-
-    fn stop_msp(&mut self, now_ns: u64) {
-        self.msp = None;
-        self.msp_board.restart_at_ns = None;
-        self.world().lose_power(now_ns);
-    }
-
-    fn world(&mut self) -> &mut Surroundings {
-        self.surroundings.get_mut().unwrap_or_else(PoisonError::into_inner)
+        match self.parts() {
+            (Controllers::Pair(pair), world) => pair.power_off(now_ns, world),
+            (Controllers::Single(single), world) => single.power_off(now_ns, world),
+        }
     }
 
     /// When the next thing happens, if nobody disturbs.
     pub(crate) fn wakes_at(&self, now_ns: u64) -> u64 {
-        let stm = self.stm.as_ref().map(|stm| {
-            [stm.due_ns(&self.stm_board), self.stm_board.restart_at_ns, self.to_msp.room_at(now_ns)]
-        });
-        let msp = self.msp.as_ref().map(|msp| {
-            [Some(msp.due_ns()), self.msp_board.restart_at_ns, self.to_stm.room_at(now_ns)]
-        });
-        let lines = [self.to_stm.arrives_at(), self.to_msp.arrives_at()];
-        let all = stm.into_iter().chain(msp).flatten().chain(lines).flatten();
-        all.min().unwrap_or(u64::MAX)
+        match &self.controllers {
+            Controllers::Pair(pair) => pair.wakes_at(now_ns),
+            Controllers::Single(single) => single.wakes_at(),
+        }
     }
 
     /// Takes in what the bus decided.
     pub(crate) fn deliver(&mut self, delivery: Delivery) {
-        if let Some(stm) = &mut self.stm {
-            stm.deliver(delivery);
+        match &mut self.controllers {
+            Controllers::Pair(pair) => pair.deliver(delivery),
+            Controllers::Single(single) => single.deliver(delivery),
         }
     }
 
     /// What its CAN controller wants from the bus.
     pub(crate) fn port(&self) -> PortState {
-        self.stm.as_ref().map_or(PortState::OFF, Stm::port)
+        match &self.controllers {
+            Controllers::Pair(pair) => pair.port(),
+            Controllers::Single(single) => single.port(),
+        }
     }
 
     /// Does what is due.
     pub(crate) fn run(&mut self, now_ns: u64) {
-        if self.stm_board.restart_at_ns.is_some_and(|at| at <= now_ns) {
-            self.start_stm(now_ns, Cause::Software);
-        }
-        if self.msp_board.restart_at_ns.is_some_and(|at| at <= now_ns) {
-            self.start_msp(now_ns, Cause::Software);
-        }
-        self.run_stm(now_ns);
-        self.run_msp(now_ns);
-    }
-
-    fn run_stm(&mut self, now_ns: u64) {
-        let arrived = self.to_stm.arrived(now_ns);
-        let Some(stm) = &mut self.stm else { return };
-        let world = self.surroundings.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let mut out = Outgoing {
-            now_ns,
-            board: &mut self.stm_board,
-            line: &mut self.to_msp,
-            faults: world.link,
-            noise: &mut self.line_noise,
-        };
-        match stm.run(arrived.as_deref(), &mut out) {
-            Kept::Yes => {}
-            Kept::SupplyLost => self.stop_stm(),
-        }
-    }
-
-    fn run_msp(&mut self, now_ns: u64) {
-        let arrived = self.to_msp.arrived(now_ns);
-        let Some(msp) = &mut self.msp else { return };
-        let world = self.surroundings.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let mut out = Outgoing {
-            now_ns,
-            board: &mut self.msp_board,
-            line: &mut self.to_stm,
-            faults: world.link,
-            noise: &mut self.line_noise,
-        };
-        match msp.run(arrived.as_deref(), world, &mut out) {
-            Kept::Yes => {}
-            Kept::SupplyLost => self.stop_msp(now_ns),
+        match self.parts() {
+            (Controllers::Pair(pair), world) => pair.run(now_ns, world),
+            (Controllers::Single(single), world) => single.run(now_ns, world),
         }
     }
 
     /// One controller without its core.
     pub(crate) fn board(&self, mcu: Mcu) -> &Board {
-        match mcu {
-            Mcu::Stm => &self.stm_board,
-            Mcu::Msp => &self.msp_board,
+        match &self.controllers {
+            Controllers::Pair(pair) => pair.board(mcu),
+            Controllers::Single(single) => single.board(mcu),
         }
     }
 
     /// See [`world::Engine::cut_power_at_flash_operation`].
     pub(crate) fn cut_at(&mut self, mcu: Mcu, operation: u32) {
-        match mcu {
-            Mcu::Stm => self.stm_board.memory.cut_at(operation),
-            Mcu::Msp => self.msp_board.memory.cut_at(operation),
+        match &mut self.controllers {
+            Controllers::Pair(pair) => pair.cut_at(mcu, operation),
+            Controllers::Single(single) => single.cut_at(mcu, operation),
         }
     }
 
     /// Figures of both controllers.
     pub(crate) fn stats(&self) -> [McuStats; 2] {
-        let taken = self.stm.as_ref().map_or(0, Stm::frames_taken);
-        let can_interrupts = self.frames_taken_before + taken;
-        [McuStats { can_interrupts, ..self.stm_board.stats() }, self.msp_board.stats()]
+        match &self.controllers {
+            Controllers::Pair(pair) => pair.stats(),
+            Controllers::Single(single) => single.stats(),
+        }
     }
 }

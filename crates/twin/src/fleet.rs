@@ -6,12 +6,11 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use profiles::Product;
 use units::Instant;
 use world::can::{Bus, Delivery, Nanos, PortState};
 use world::{Engine, EngineError, FlashImage, LogLine, Mcu, McuStats, Surroundings};
 
-use crate::device::{Device, Make};
+use crate::device::{Device, Kind, Make};
 
 /// How a fleet starts.
 #[derive(Clone, Debug)]
@@ -38,17 +37,17 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// Devices of `product`, with the supply on since time zero.
+    /// Devices of one `kind`, with the supply on since time zero.
     ///
     /// # Errors
     /// When the memory of the earlier run is not this engine's.
-    pub fn new(product: &'static Product, options: Options) -> Result<Self, EngineError> {
+    pub fn new(kind: Kind, options: Options) -> Result<Self, EngineError> {
         let mut kept = options.flash;
         kept.resize(options.nodes, [None, None]);
         let mut devices = Vec::new();
         for (serial_number, kept) in (1..).zip(&kept) {
-            let make = Make { product, serial_number, seed: options.seed };
-            let mut device = Device::new(make, kept)?;
+            let make = Make { serial_number, seed: options.seed };
+            let mut device = Device::new(kind, make, kept)?;
             device.power_on(0);
             devices.push(device);
         }

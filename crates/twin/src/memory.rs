@@ -58,7 +58,7 @@ impl Memory {
     }
 
     /// Everything stored: key, number.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = (u32, u32)> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = (u32, u32)> + Clone {
         self.numbers.iter().map(|(key, number)| (*key, *number))
     }
 
@@ -73,6 +73,18 @@ impl Memory {
         let mut numbers = self.numbers.clone();
         numbers.extend(set);
         self.replace(numbers)
+    }
+
+    /// Stores all of `set` in the place of everything whose key `goes`, or nothing when the supply
+    /// fails.
+    pub(crate) fn keep_instead(
+        &mut self,
+        goes: impl Fn(u32) -> bool,
+        set: impl IntoIterator<Item = (u32, u32)>,
+    ) -> Kept {
+        let kept = self.numbers.iter().filter(|(key, _)| !goes(**key));
+        let kept = kept.map(|(key, number)| (*key, *number));
+        self.replace(kept.chain(set).collect())
     }
 
     /// Forgets everything, or nothing when the supply fails.
@@ -143,5 +155,16 @@ mod tests {
         assert_eq!(memory.numbers().count(), 3);
         assert_eq!(memory.forget(), Kept::Yes);
         assert_eq!((memory.numbers().count(), memory.operations()), (0, 6));
+    }
+
+    #[test]
+    fn some_numbers_take_the_place_of_others() {
+        let mut memory = Memory::default();
+        assert_eq!(memory.keep_set([(1, 10), (2, 20), (3, 30)]), Kept::Yes);
+        memory.cut_at(1);
+        assert_eq!(memory.keep_instead(|key| key < 3, [(2, 21)]), Kept::SupplyLost);
+        assert!(memory.numbers().eq([(1, 10), (2, 20), (3, 30)]));
+        assert_eq!(memory.keep_instead(|key| key < 3, [(2, 21)]), Kept::Yes);
+        assert!(memory.numbers().eq([(2, 21), (3, 30)]));
     }
 }

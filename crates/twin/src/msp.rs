@@ -7,8 +7,8 @@ use world::lcd_chip::{Direction, LcdChip};
 use world::{MotorOutputs, Surroundings};
 
 use crate::board::Board;
-use crate::device::Outgoing;
 use crate::memory::Kept;
+use crate::pair::Outgoing;
 
 const STEP_NS: u64 = STEP.as_micros() * 1_000;
 /// How often the picture is composed.

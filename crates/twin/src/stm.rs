@@ -8,8 +8,8 @@ use world::can::{Delivery, Nanos, PortState};
 
 use crate::board::Board;
 use crate::can_port::{CanPort, Notice};
-use crate::device::Outgoing;
 use crate::memory::Kept;
+use crate::pair::Outgoing;
 
 /// How soon to look again at an error state that has to recover: getting better is no interrupt.
 const LOOK_AGAIN_AFTER: Duration = Duration::from_millis(5);

@@ -459,6 +459,7 @@ impl Model {
         match refusal {
             Some(Refusal::Write(error)) => Err(No::Abort(match error {
                 WriteError::ValueRange => codes.value_range.get(),
+                WriteError::AboveMaximum => codes.above_maximum.get(),
                 WriteError::NotStored => codes.not_stored.get(),
                 WriteError::Hardware => 0x0606_0000,
                 WriteError::DeviceState => 0x0800_0022,

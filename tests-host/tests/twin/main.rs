@@ -3,13 +3,15 @@
 
 use expect_test::{Expect, expect};
 use serde_json::json;
-use tests_host::Scene;
+use tests_host::{Scene, fleet};
 
 #[path = "../nm172/scenarios.rs"]
 mod nm172;
 
 /// What the devices of the scenarios are made of.
 const ENGINE: &str = "twin";
+/// One turn of the shaft on the bench, in steps.
+const TURN: i64 = 4_096;
 const TWIN: [&str; 2] = ["--engine", ENGINE];
 
 #[track_caller]
@@ -49,29 +51,7 @@ fn the_supply_fails_while_a_parameter_is_written() {
 #[test]
 fn many_devices_share_a_bus() {
     const DEVICES: u16 = 120;
-    let mut scene = Scene::powered("nm172", &[TWIN.as_slice(), &["--nodes", "120"]].concat());
-    let power = |scene: &mut Scene, node: u16, on: bool| {
-        scene.tell("power", json!({ "node": node - 1, "on": on }));
-    };
-    (1..=DEVICES).for_each(|node| power(&mut scene, node, false));
-    for node in 1..=DEVICES {
-        power(&mut scene, node, true);
-        scene.run_ms(200).node_id(127).request("2F 00 21 00 08 00 00 00");
-        scene.request(&format!("2F 01 21 00 {node:02X} 00 00 00"));
-        scene.run_ms(20);
-        power(&mut scene, node, false);
-    }
-    (1..=DEVICES).for_each(|node| power(&mut scene, node, true));
-    scene.run_ms(500);
-    for node in 1..=DEVICES {
-        for request in
-            ["2B 17 10 00 64 00 00 00", "2F 01 18 02 FE 00 00 00", "2B 01 18 05 64 00 00 00"]
-        {
-            scene.node_id(node).request(request);
-        }
-    }
-    scene.send("000#01 00").run_ms(500).frames();
-    let frames = scene.run_ms(1_000).frames();
+    let frames = fleet(DEVICES, 100).run_ms(1_000).frames();
     for node in 1..=DEVICES {
         let position = format!("{:03X}#00 00 00 00 00 00 00 10", 0x280 + node);
         for frame in [format!("{:03X}#05", 0x700 + node), position] {
@@ -79,4 +59,66 @@ fn many_devices_share_a_bus() {
             assert!((9..=11).contains(&sent), "{sent} times {frame} in a second");
         }
     }
+}
+
+/// AP04 AP-POS-09, AP-POS-13, AP-STO-01: a turn counts 720 steps, to the left; what is written is
+/// kept, and what the shaft does without supply is known afterwards.
+#[test]
+fn an_ap04_measures_and_keeps() {
+    let mut scene = Scene::booted("ap04", &TWIN);
+    scene.node_id(1).tell("shaft", json!({ "steps": -TURN })).run_ms(10);
+    scene.sdo("40 04 60 00 00 00 00 00").sdo("23 03 60 00 E8 03 00 00");
+    scene.tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("shaft", json!({ "steps": -TURN / 2 }));
+    scene.tell("power", json!({ "on": true })).run_ms(100).note_frames();
+    scene.sdo("40 04 60 00 00 00 00 00");
+    check(
+        &scene,
+        expect![[r#"
+        1011   ms  40 04 60 00 00 00 00 00 -> 42 04 60 00 D0 02 00 00
+        1012   ms  23 03 60 00 E8 03 00 00 -> 60 03 60 00 00 00 00 00
+        1212   ms  701#00
+        1213   ms  40 04 60 00 00 00 00 00 -> 42 04 60 00 20 08 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-PDO-02, EN-STO-01, EN-CFG-01, EN-GEN-02: the position by timer; what is saved outlives
+/// the program, node-ID and bit rate are in force after the next start.
+#[test]
+fn an_encoder_measures_and_saves() {
+    let state = std::env::temp_dir().join(format!("spindle-encoder-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&state);
+    let options = [&TWIN, ["--state", state.to_str().expect("a path")].as_slice()].concat();
+    let mut scene = Scene::booted("gxmm", &options);
+    scene.node_id(1).sdo("2B 00 62 00 64 00 00 00").send("000#01 00");
+    scene.tell("shaft", json!({ "steps": TURN })).run_ms(205).note_frames();
+    scene.sdo("2F 00 21 00 08 00 00 00").sdo("2F 01 21 00 05 00 00 00");
+    scene.tell("power_cut", json!({ "mcu": "stm", "flash_op": 2 }));
+    scene.sdo("23 10 10 01 73 61 76 65").sdo("2B 00 23 01 34 12 00 00");
+    scene.send("601#23 10 10 01 73 61 76 65").run_ms(100).note("the supply failed").note_frames();
+    check(
+        &scene,
+        expect![[r#"
+        1005   ms  2B 00 62 00 64 00 00 00 -> 60 00 62 00 00 00 00 00
+        1210   ms  181#00 20 00 00
+        1210   ms  181#00 20 00 00
+        1215   ms  2F 00 21 00 08 00 00 00 -> 60 00 21 00 00 00 00 00
+        1220   ms  2F 01 21 00 05 00 00 00 -> 60 01 21 00 00 00 00 00
+        1225   ms  23 10 10 01 73 61 76 65 -> 60 10 10 01 00 00 00 00
+        1230   ms  2B 00 23 01 34 12 00 00 -> 60 00 23 01 00 00 00 00
+        1330   ms  the supply failed
+    "#]],
+    );
+    assert!(scene.bench.stop().0.success());
+    let mut again = Scene::booted("gxmm", &options);
+    again.node_id(5).sdo("40 01 21 00 00 00 00 00").sdo("40 00 23 01 00 00 00 00");
+    check(
+        &again,
+        expect![[r#"
+        1000   ms  40 01 21 00 00 00 00 00 -> 4F 01 21 00 05 00 00 00
+        1001   ms  40 00 23 01 00 00 00 00 -> 4B 00 23 01 00 00 00 00
+    "#]],
+    );
+    let _ = std::fs::remove_dir_all(state);
 }

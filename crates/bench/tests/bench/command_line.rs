@@ -37,6 +37,8 @@ fn what_is_wrong_is_named_in_one_sentence() {
     refused(&["up"], "PRODUCT");
     refused(&["up", "nm172", "--fly"], "--fly");
     refused(&["up", "nm999"], "nm999");
+    refused(&["up", "nm999", "--engine", "twin"], "gxmm");
+    refused(&["up", "gxmm"], "--engine twin");
     refused(&["up", "nm172", "--clock", "sundial"], "sundial");
     refused(&["up", "nm172"], "/nonexistent/images/stm-nm172");
 }

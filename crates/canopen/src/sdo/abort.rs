@@ -78,6 +78,7 @@ impl AbortCode {
             WriteError::NotStored => codes.not_stored,
             WriteError::Hardware => Self::HARDWARE_ERROR,
             WriteError::DeviceState => Self::DEVICE_STATE,
+            WriteError::AboveMaximum => codes.above_maximum,
             WriteError::Failed => Self::GENERAL,
         }
     }

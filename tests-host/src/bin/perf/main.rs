@@ -1,8 +1,9 @@
-//! Measures the images on the emulated controllers and prints the figures as a table.
+//! Measures the images on the emulated controllers, and the twin, and prints the figures as a table.
 //!
-//! Everything but the speed of the bench itself is virtual time and repeats from run to run.
+//! Everything but the speed of the engines is virtual time and repeats from run to run.
 
 mod rig;
+mod twin;
 
 use std::process::ExitCode;
 
@@ -39,6 +40,8 @@ fn measure() -> Result<(), EngineError> {
     cycle(&mut rig)?;
     shaft(&mut rig)?;
     blocked(&rig);
+    twin::many_devices();
+    twin::round_trips();
     Ok(())
 }
 

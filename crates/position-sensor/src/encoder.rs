@@ -1,0 +1,188 @@
+//! The encoders: what their objects have to do with each other.
+
+use canopen::lss::{self, BitRate, Unconfigured};
+use canopen::{
+    AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, ErrorBehaviour, Expedited,
+    PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, Trigger,
+};
+use object_dictionary::{ObjectId, Values};
+use profiles::OBJECTS_MAX;
+use profiles::encoder::gxmm::{
+    MEASURING_RANGE, MEASURING_RANGE_MAX, POSITION_VALUE, PRESET, UNITS_PER_TURN,
+    UNITS_PER_TURN_MAX,
+};
+use profiles::encoder::{
+    BIT_RATE, CYCLE_TIMER, MODULE_SERIAL_NUMBER, OFFSET, OPERATING_PARAMETERS, OPERATING_STATUS,
+    OPTIONS, SERIAL_NUMBER, TPDO1_EVENT_TIMER,
+};
+
+use crate::family::{Present, View};
+
+/// Encoder EN-SDO-02 to EN-SDO-05, EN-PDO-02, B-11, B-15, B-21, B-32, B-33, B-69.
+pub(crate) static SETTINGS: Settings = Settings {
+    pdo: PdoRules {
+        type_254: Trigger::Timer,
+        remote_requests: RemoteRequests::RemoteTypes,
+        changes: PdoChanges::AnyTime,
+        identifiers: PdoIdentifiers::Any,
+        ..Settings::CIA_301.pdo
+    },
+    expedited: Expedited::LongerToo,
+    receive_errors: ReceiveErrors {
+        too_short: None,
+        too_long: None,
+        value: None,
+        overdue: None,
+        sync_length: None,
+    },
+    bus: BusRules {
+        warning: None,
+        passive: None,
+        recovered: None,
+        overrun: None,
+        overflow: None,
+        off: BusOff::NoReason,
+    },
+    error_behaviour: ErrorBehaviour::InEveryState,
+    additional_information: AdditionalInformation::FirstTwoBytes,
+    abort_codes: AbortCodes {
+        number_length: AbortCode::UNSUPPORTED_ACCESS,
+        text_length: AbortCode::UNSUPPORTED_ACCESS,
+        excess_bytes: None,
+        above_maximum: AbortCode::VALUE_TOO_HIGH,
+        below_minimum: AbortCode::VALUE_RANGE,
+        value_range: AbortCode::VALUE_RANGE,
+        not_stored: AbortCode::LOCAL_CONTROL,
+    },
+    lss: Some(&LAYER_SETTINGS),
+    ..Settings::CIA_301
+};
+
+/// Encoder EN-LSS-01 to EN-LSS-10, B-39.
+static LAYER_SETTINGS: lss::Settings =
+    lss::Settings { unconfigured: Unconfigured::OutOfRange, ..lss::Settings::CIA_305 };
+
+/// Bit of [`OPERATING_PARAMETERS`]: values rise when the shaft turns left.
+const LEFT: u16 = 1 << 0;
+/// Bit of [`OPERATING_PARAMETERS`]: the units that were set are used.
+const SCALING: u16 = 1 << 2;
+
+// Bits of OPTIONS (EN-OPT-01).
+const INVERTED: u32 = 1 << 1;
+const SCALING_LOCKED: u32 = 1 << 2;
+const TPDO1_DELAYED: u32 = 1 << 8;
+const OFFSET_KEPT: u32 = 1 << 9;
+const OPTIONS_KNOWN: u32 = 0x7EE;
+
+/// What TPDO1_DELAYED adds to the period (B-20).
+const DELAY_MS: u16 = 2;
+
+/// EN-CFG-01; the switches stand at 00 (B-41, B-43).
+pub(crate) fn bit_rate(values: &Values<OBJECTS_MAX>) -> u32 {
+    const KBIT_S: [u32; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1_000];
+    KBIT_S.get(usize::from(values.get(&BIT_RATE))).map_or(50_000, |kbit_s| kbit_s * 1_000)
+}
+
+/// The number of a bit rate in [`BIT_RATE`] (EN-LSS-05).
+pub(crate) const fn number_of(bit_rate: BitRate) -> u8 {
+    8_u8.saturating_sub(bit_rate.index())
+}
+
+/// Whether the units that were set are used (B-45).
+fn scales(parameters: u16, options: u32) -> bool {
+    parameters & SCALING != 0 && options & SCALING_LOCKED == 0
+}
+
+/// Units per turn of the sensor and those in force: in a turn and in all (B-48, B-49).
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    steps_per_turn: u64,
+    steps: u64,
+    units_per_turn: u64,
+    units: u64,
+}
+
+impl Scale {
+    fn of(values: &Values<OBJECTS_MAX>) -> Self {
+        let steps_per_turn = values.get(&UNITS_PER_TURN_MAX);
+        let steps = values.get(&MEASURING_RANGE_MAX);
+        let (units_per_turn, units) =
+            if scales(values.get(&OPERATING_PARAMETERS), values.get(&OPTIONS)) {
+                (values.get(&UNITS_PER_TURN), values.get(&MEASURING_RANGE))
+            } else {
+                (steps_per_turn, steps)
+            };
+        Self {
+            steps_per_turn: steps_per_turn.max(1).into(),
+            steps: steps.max(1).into(),
+            units_per_turn: units_per_turn.into(),
+            units: units.max(1).into(),
+        }
+    }
+
+    /// The position without offset.
+    fn position(self, steps: i64, left: bool) -> u64 {
+        let directed = if left { -i128::from(steps) } else { i128::from(steps) };
+        let turned = directed.rem_euclid(self.steps.into());
+        let position = turned * i128::from(self.units_per_turn) / i128::from(self.steps_per_turn);
+        u64::try_from(position).unwrap_or(0) % self.units
+    }
+}
+
+pub(crate) fn present(values: &Values<OBJECTS_MAX>) -> Present {
+    Present {
+        units_are_open: true,
+        preset_below: u32::try_from(Scale::of(values).units).ok(),
+        scale: (values.get(&UNITS_PER_TURN), values.get(&MEASURING_RANGE)),
+    }
+}
+
+pub(crate) fn follow(
+    view: &mut View<'_>,
+    written: ObjectId,
+    before: &Present,
+    steps: i64,
+) -> ObjectId {
+    if written == OPTIONS.id() {
+        view.set(&OPTIONS, view.get(&OPTIONS) & OPTIONS_KNOWN);
+    } else if written == OPERATING_PARAMETERS.id() {
+        view.set(&OPERATING_PARAMETERS, view.get(&OPERATING_PARAMETERS) & (LEFT | SCALING));
+    } else if written == TPDO1_EVENT_TIMER.id() {
+        view.set(&CYCLE_TIMER, view.get(&TPDO1_EVENT_TIMER).saturating_sub(delay_ms(view)));
+    } else if written == PRESET.id() {
+        let scale = Scale::of(view.node.values());
+        let preset = u64::from(view.get(&PRESET)) + scale.units;
+        let offset = (preset - scale.position(steps, counts_left(view))) % scale.units;
+        view.set(&OFFSET, u32::try_from(offset).unwrap_or(0));
+    }
+    let scale = (view.get(&UNITS_PER_TURN), view.get(&MEASURING_RANGE));
+    if scale != before.scale && view.get(&OPTIONS) & OFFSET_KEPT == 0 {
+        view.set(&OFFSET, 0);
+    }
+    written
+}
+
+fn delay_ms(view: &View<'_>) -> u16 {
+    if view.get(&OPTIONS) & TPDO1_DELAYED == 0 { 0 } else { DELAY_MS }
+}
+
+fn counts_left(view: &View<'_>) -> bool {
+    let left = view.get(&OPERATING_PARAMETERS) & LEFT != 0;
+    left != (view.get(&OPTIONS) & INVERTED != 0)
+}
+
+pub(crate) fn derive(view: &mut View<'_>, steps: i64) {
+    let parameters = view.get(&OPERATING_PARAMETERS);
+    let in_force =
+        if scales(parameters, view.get(&OPTIONS)) { parameters } else { parameters & !SCALING };
+    view.set(&OPERATING_STATUS, in_force);
+    view.set(&MODULE_SERIAL_NUMBER, view.get(&SERIAL_NUMBER));
+    let period = match view.get(&CYCLE_TIMER) {
+        0 => 0,
+        ms => ms.saturating_add(delay_ms(view)),
+    };
+    view.set(&TPDO1_EVENT_TIMER, period);
+    let scale = Scale::of(view.node.values());
+    let position = scale.position(steps, counts_left(view)) + u64::from(view.get(&OFFSET));
+    view.set(&POSITION_VALUE, u32::try_from(position % scale.units).unwrap_or(0));
+}
