@@ -335,9 +335,15 @@ impl Interface {
                 canopen::Event::HeartbeatRecovered { .. }
                 | canopen::Event::GuardingRecovered
                 | canopen::Event::PdoOverdue { .. } => {}
-                // Nothing is stored on command so far.
-                canopen::Event::Store { .. } | canopen::Event::Restore { .. } => {
-                    self.node.handle_stored(Err(WriteError::NotStored));
+                canopen::Event::Store { .. } => {
+                    let number = self.saving.ask_to_keep(Set::of(&self.node));
+                    self.event(Event::StoreSet);
+                    self.event(Event::Confirm(number));
+                }
+                canopen::Event::Restore { .. } => {
+                    let number = self.saving.ask_to_forget();
+                    self.event(Event::Forget);
+                    self.event(Event::Confirm(number));
                 }
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 canopen::Event::Lss(event) => self.follow_lss(now, event),
@@ -368,7 +374,7 @@ impl Interface {
             }
             (Err(NotSaved), Parameters::Keep | Parameters::Forget) => {}
         }
-        // self.node.handle_stored(now, outcome.map_err(|NotSaved| WriteError::NotStored));
+        self.node.handle_stored(outcome.map_err(|NotSaved| WriteError::NotStored));
     }
 
     /// Positioning is possible in Pre-operational and Operational; every step down from there stops

@@ -685,6 +685,54 @@ fn a_bit_rate_is_activated() {
     );
 }
 
+/// NM17x STORE-03 to STORE-06, STORE-08, STORE-09, BOOT-04, NMT-05, PDO-06 (D-01 to D-03): saved and
+/// restored with the signatures, answered when it is done, and in force after a restart.
+#[test]
+fn communication_parameters_are_saved_and_restored() {
+    let mut scene = booted(&[]);
+    let restart = |scene: &mut Scene| {
+        scene.run_ms(100).tell("power", json!({ "on": false })).run_ms(100);
+        scene.tell("power", json!({ "on": true })).run_ms(1_000).note("supply back").note_frames();
+    };
+    scene.sdo("2B 17 10 00 F4 01 00 00").sdo("23 80 1F 00 08 00 00 00");
+    scene.sdo("23 10 10 01 00 00 00 00").frames();
+    restart(&mut scene);
+    scene.sdo("2B 17 10 00 F4 01 00 00").sdo("23 80 1F 00 08 00 00 00");
+    scene.sdo("23 02 20 00 07 00 00 00").sdo("23 10 10 01 73 61 76 65").frames();
+    restart(&mut scene);
+    scene.sdo("40 17 10 00 00 00 00 00").sdo("23 11 10 01 6C 6F 61 64").frames();
+    restart(&mut scene);
+    scene.sdo("40 02 20 00 00 00 00 00");
+    scene.sdo("40 17 10 00 00 00 00 00").sdo("40 00 18 01 00 00 00 00");
+    scene.sdo("40 01 18 05 00 00 00 00");
+    check(
+        &scene,
+        expect![[r#"
+        1002   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
+        1004   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
+        1006   ms  23 10 10 01 00 00 00 00 -> 80 10 10 01 20 00 00 08
+        2206   ms  supply back
+        2206   ms  77F#00
+        2208   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
+        2211   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
+        2213   ms  23 02 20 00 07 00 00 00 -> 60 02 20 00 00 00 00 00
+        2215   ms  23 10 10 01 73 61 76 65 -> 60 10 10 01 00 00 00 00
+        3415   ms  supply back
+        3415   ms  2FF#00 00 00 00 00 00 00 10
+        3415   ms  77F#00
+        3415   ms  77F#05
+        3417   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 F4 01 00 00
+        3419   ms  23 11 10 01 6C 6F 61 64 -> 60 11 10 01 00 00 00 00
+        4619   ms  supply back
+        4619   ms  77F#00
+        4621   ms  40 02 20 00 00 00 00 00 -> 43 02 20 00 07 00 00 00
+        4623   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 00 00 00 00
+        4625   ms  40 00 18 01 00 00 00 00 -> 43 00 18 01 FF 01 00 C0
+        4627   ms  40 01 18 05 00 00 00 00 -> 4B 01 18 05 01 00 00 00
+    "#]],
+    );
+}
+
 /// NM17x OD-2007-1, OD-2008-1, DISP-16, DISP-17, DISP-19, SDO-08: a text, then the node-ID.
 #[test]
 fn a_master_writes_on_the_display() {

@@ -5,6 +5,7 @@ mod errors;
 mod lss;
 mod pdo;
 mod script;
+mod store;
 
 use canopen::BusState;
 use expect_test::expect;
