@@ -657,11 +657,14 @@ impl<const LEN: usize> Node<LEN> {
         }
         let Self { values, tpdos, rpdos, .. } = self;
         let target = &mut Target { values, tpdos, application };
-        if let Err(fault) = rpdos.handle_frame(now, position, frame, target) {
+        let outcome = rpdos.handle_frame(now, position, frame, target);
+        if let Some(fault) = outcome.fault {
             self.say(fault.emergency(&self.settings.receive_errors));
         }
-        self.follow_values(now);
-        self.wake_by(self.rpdos.due_at());
+        if outcome.goes_on {
+            self.follow_values(now);
+            self.wake_by(self.rpdos.due_at());
+        }
     }
 
     fn report_overdue(&mut self, now: Instant) {

@@ -3,6 +3,7 @@ mod entry;
 mod mapping;
 mod rpdo;
 mod rpdos;
+mod span;
 mod target;
 mod tpdo;
 mod tpdos;

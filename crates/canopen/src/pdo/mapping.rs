@@ -2,6 +2,7 @@ use heapless::Vec;
 use object_dictionary::{DataType, Dictionary, ObjectId, Slot, Values};
 
 use super::entry::Entry;
+use super::span::Span;
 use crate::frame::DATA_MAX;
 
 /// Objects that one PDO may carry.
@@ -19,8 +20,8 @@ pub(super) type Bytes = [u8; DATA_MAX + size_of::<u32>()];
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Mapping {
     fields: Vec<Field, { MAPPED_MAX as usize }, u8>,
-    /// The lowest and the highest slot of the fields.
-    span: Option<(Slot, Slot)>,
+    /// Where the slots of the fields lie.
+    span: Span,
     len: u8,
     /// Whether an object takes fewer numbers than its type has.
     limited: bool,
@@ -62,17 +63,21 @@ impl Mapping {
             let width = Width::new(len, row.map(|row| row.data_type));
             let _ = mapping.fields.push(Field { slot, at, width });
             if let Some(row) = row {
-                let (lowest, highest) = mapping.span.unwrap_or((slot, slot));
-                mapping.span = Some((lowest.min(slot), highest.max(slot)));
+                mapping.span = mapping.span.join(Span::of(slot));
                 mapping.limited |= !row.is_unlimited();
             }
         }
         mapping
     }
 
-    /// The lowest and the highest of the slots it carries.
-    pub(super) const fn span(&self) -> Option<(Slot, Slot)> {
+    /// Where the slots lie that it carries.
+    pub(super) const fn span(&self) -> Span {
         self.span
+    }
+
+    /// The fields, with a bound that loops over them can be unrolled by.
+    fn fields(&self) -> impl Iterator<Item = &Field> {
+        self.fields.iter().take(MAPPED_MAX.into())
     }
 
     pub(super) fn carries(&self, slot: Slot) -> bool {
@@ -88,7 +93,7 @@ impl Mapping {
     /// is overwritten by the next one.
     pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> [u8; DATA_MAX] {
         let mut bytes: Bytes = [0; _];
-        for field in &self.fields {
+        for field in self.fields() {
             put(&mut bytes, field.at % LEN_MAX, values.raw(field.slot));
         }
         put(&mut bytes, self.len, 0);
@@ -115,11 +120,11 @@ impl Mapping {
 impl Mapped<'_> {
     /// Each object with its number in 32 bits, in the order of the mapping.
     pub fn iter(&self) -> impl Iterator<Item = (Slot, u32)> {
-        self.mapping.fields.iter().map(|field| (field.slot, field.number(self.bytes)))
+        self.mapping.fields().map(|field| (field.slot, field.number(self.bytes)))
     }
 
-    /// The lowest and the highest of the slots.
-    pub(super) const fn span(&self) -> Option<(Slot, Slot)> {
+    /// Where the slots lie.
+    pub(super) const fn span(&self) -> Span {
         self.mapping.span
     }
 

@@ -16,12 +16,17 @@ use crate::settings::{Emergency, ReceiveErrors};
 #[derive(Debug)]
 pub(super) struct Rpdo {
     number: u16,
+    /// The identifier it listens to, or [`NOTHING`].
+    listens_to: u16,
     parameters: Parameters,
     mapping: Mapping,
     /// Bytes that wait for a SYNC.
     waiting: Option<Bytes>,
     expires_at: Deadline,
 }
+
+/// No identifier: of a PDO that is switched off or carries nothing.
+const NOTHING: u16 = u16::MAX;
 
 /// The communication parameter as the stack uses it.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +39,21 @@ struct Parameters {
 /// When the values of a receive PDO are taken over (CiA 301, section 7.5.2.35, sub-index 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reception {
-    /// With the next SYNC: types 0 to 240.
-    WithSync,
     /// At once: types 254 and 255.
     AtOnce,
+    /// With the next SYNC: types 0 to 240.
+    WithSync,
     /// Never: a transmission type the stack does not know.
     Never,
+}
+
+/// What a received frame brought about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Outcome {
+    /// What is wrong with it.
+    pub(crate) fault: Option<Fault>,
+    /// Whether anything else may be due now, or at another time than before.
+    pub(crate) goes_on: bool,
 }
 
 /// What is wrong with a received frame.
@@ -53,10 +67,14 @@ pub(crate) enum Fault {
 impl Rpdo {
     /// The PDO 0x1400 + `number`. `None` when the product does not have it.
     pub(super) fn new<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
+        let parameters = Parameters::read(number, values)?;
+        let mapping = Mapping::read(values, MAPPING + number);
+        let id = parameters.cob_id.valid().filter(|_| mapping.byte_len() > 0);
         Some(Self {
             number,
-            parameters: Parameters::read(number, values)?,
-            mapping: Mapping::read(values, MAPPING + number),
+            listens_to: id.map_or(NOTHING, CanId::get),
+            parameters,
+            mapping,
             waiting: None,
             expires_at: Deadline::NEVER,
         })
@@ -64,11 +82,11 @@ impl Rpdo {
 
     /// The identifier it listens to, while it is switched on.
     pub(super) const fn id(&self) -> Option<CanId> {
-        self.parameters.cob_id.valid()
+        CanId::new(self.listens_to)
     }
 
-    pub(super) fn listens_to(&self, id: CanId) -> bool {
-        self.parameters.cob_id.is_valid_with(id)
+    pub(super) const fn listens_to(&self, id: CanId) -> bool {
+        self.listens_to == id.get()
     }
 
     /// Whether its values wait for a SYNC.
@@ -100,28 +118,33 @@ impl Rpdo {
         now: Instant,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
-    ) -> Result<(), Fault> {
+    ) -> Outcome {
         let (sent, len) = (frame.dlc(), self.mapping.byte_len());
-        if len == 0 {
-            return Ok(());
-        }
+        let mut outcome = Outcome::default();
         if sent < len {
-            return Err(Fault::TooShort);
+            return Outcome { fault: Some(Fault::TooShort), ..outcome };
         }
         if self.parameters.event_time_ms > 0 {
             let event_time = Duration::from_millis(u64::from(self.parameters.event_time_ms));
             self.expires_at = Deadline::after(now, event_time);
+            outcome.goes_on = true;
         }
         let bytes = padded(frame);
         if !self.mapping.permits(&bytes, target.values.dictionary()) {
-            return Err(Fault::Value);
+            return Outcome { fault: Some(Fault::Value), ..outcome };
         }
         match self.parameters.reception {
-            Reception::AtOnce => target.take_over(self.number, self.mapping.scatter(&bytes)),
-            Reception::WithSync => self.waiting = Some(bytes),
+            Reception::AtOnce => {
+                outcome.goes_on |= target.take_over(self.number, self.mapping.scatter(&bytes));
+            }
+            Reception::WithSync => {
+                self.waiting = Some(bytes);
+                outcome.goes_on = true;
+            }
             Reception::Never => {}
         }
-        if sent > len { Err(Fault::TooLong) } else { Ok(()) }
+        outcome.fault = (sent > len).then_some(Fault::TooLong);
+        outcome
     }
 
     /// Takes over what waited for a SYNC.
@@ -132,11 +155,6 @@ impl Rpdo {
         if let Some(bytes) = self.waiting.take() {
             target.take_over(self.number, self.mapping.scatter(&bytes));
         }
-    }
-
-    /// Whether nothing is to be done later about a frame it has taken.
-    pub(super) fn is_prompt(&self) -> bool {
-        self.parameters.event_time_ms == 0 && self.parameters.reception == Reception::AtOnce
     }
 
     /// Whether bytes wait for a SYNC.

@@ -2,7 +2,7 @@ use heapless::Vec;
 use object_dictionary::Values;
 use units::Instant;
 
-use super::rpdo::{Fault, Rpdo};
+use super::rpdo::{Outcome, Rpdo};
 use super::target::Target;
 use crate::application::Application;
 use crate::deadline::Deadline;
@@ -72,10 +72,10 @@ impl Rpdos {
         position: usize,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
-    ) -> Result<(), Fault> {
-        let Some(rpdo) = self.rpdos.get_mut(position) else { return Ok(()) };
+    ) -> Outcome {
+        let Some(rpdo) = self.rpdos.get_mut(position) else { return Outcome::default() };
         let outcome = rpdo.handle(now, frame, target);
-        if !rpdo.is_prompt() {
+        if outcome.goes_on {
             self.survey();
         }
         outcome

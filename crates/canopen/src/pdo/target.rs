@@ -13,21 +13,23 @@ pub(crate) struct Target<'a, A, const LEN: usize> {
 
 impl<A: Application, const LEN: usize> Target<'_, A, LEN> {
     /// Takes the numbers of a PDO over, all or none. Only those that a transmit PDO may follow are
-    /// compared with what they were.
-    pub(super) fn take_over(&mut self, number: u16, mapped: Mapped<'_>) {
+    /// compared with what they were. Whether there are any.
+    pub(super) fn take_over(&mut self, number: u16, mapped: Mapped<'_>) -> bool {
         match self.application.receive(number, &mapped) {
-            Written::Taken if mapped.span().is_some_and(|span| self.tpdos.may_watch(span)) => {
+            Written::Taken if self.tpdos.may_watch(mapped.span()) => {
                 for (slot, raw) in mapped.iter() {
                     if self.values.raw(slot) != raw {
                         self.values.set_raw(slot, raw);
                         self.tpdos.note_change(slot);
                     }
                 }
+                true
             }
             Written::Taken => {
                 mapped.iter().for_each(|(slot, raw)| self.values.set_raw(slot, raw));
+                false
             }
-            Written::Ignored => {}
+            Written::Ignored => false,
         }
     }
 }

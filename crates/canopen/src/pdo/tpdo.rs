@@ -2,10 +2,11 @@ use object_dictionary::{ObjectId, Slot, Values};
 use units::{Duration, Instant};
 
 use super::mapping::Mapping;
+use super::span::Span;
 use super::transmission::Transmission;
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
-use crate::frame::{CanId, DATA_MAX, Frame};
+use crate::frame::{CanId, Frame};
 use crate::settings::{PdoRules, RemoteRequests};
 
 /// A transmit PDO (CiA 301, section 7.2.2; objects 0x1800 and 0x1A00 and following).
@@ -43,10 +44,10 @@ struct Progress {
     /// An event that has not gone out yet.
     event: bool,
     timer_at: Deadline,
-    /// SYNCs since the last frame; `None` before the one with the start value.
-    syncs: Option<u8>,
-    /// The data at the last SYNC, where remote frames ask for that.
-    sampled: Option<[u8; DATA_MAX]>,
+    /// SYNCs up to the next frame; 0 before the first that counts.
+    syncs_left: u8,
+    /// The frame with the values at the last SYNC, where remote frames ask for that.
+    sampled: Option<Frame>,
 }
 
 impl Tpdo {
@@ -90,10 +91,10 @@ impl Tpdo {
         self.parameters.remote_id()
     }
 
-    /// The lowest and the highest slot whose changes are events now.
-    pub(super) fn watched(&self) -> Option<(Slot, Slot)> {
+    /// Where the slots lie whose changes are events now.
+    pub(super) fn watched(&self) -> Span {
         let watches = self.progress.is_some() && self.parameters.transmission.follows_changes();
-        if watches { self.mapping.span() } else { None }
+        if watches { self.mapping.span() } else { Span::EMPTY }
     }
 
     /// Takes its objects over again. A PDO in progress goes on; one that now has another
@@ -121,7 +122,7 @@ impl Tpdo {
             self.progress = Some(Progress {
                 event: self.parameters.transmission.follows_changes(),
                 timer_at: self.parameters.timer_from(now),
-                syncs: (self.parameters.sync_start == 0).then_some(0),
+                syncs_left: 0,
                 sampled: None,
             });
         }
@@ -164,12 +165,19 @@ impl Tpdo {
             }
             Transmission::SyncAfterEvent => core::mem::take(&mut progress.event),
             Transmission::RemoteFromSync => {
-                progress.sampled = Some(self.mapping.gather(values));
+                self.sample(values);
                 false
             }
             Transmission::Remote | Transmission::Event(_) | Transmission::Never => false,
         };
-        goes.then(|| self.frame(self.mapping.gather(values)))
+        goes.then(|| self.frame(values))
+    }
+
+    fn sample<const LEN: usize>(&mut self, values: &Values<LEN>) {
+        let sampled = self.frame(values);
+        if let Some(progress) = &mut self.progress {
+            progress.sampled = Some(sampled);
+        }
     }
 
     /// The frame that a remote frame with its identifier asks for.
@@ -185,10 +193,7 @@ impl Tpdo {
             | Transmission::EverySync { .. }
             | Transmission::RemoteFromSync
             | Transmission::Remote
-            | Transmission::Never => {
-                let present = || self.mapping.gather(values);
-                Some(self.frame(progress.sampled.unwrap_or_else(present)))
-            }
+            | Transmission::Never => Some(progress.sampled.unwrap_or_else(|| self.frame(values))),
         }
     }
 
@@ -220,10 +225,13 @@ impl Tpdo {
                 Deadline::at(if in_step { next_at } else { now + self.parameters.event_time });
         }
         self.inhibited_until = now + self.parameters.inhibit_time;
-        Some(self.frame(self.mapping.gather(values)))
+        Some(self.frame(values))
     }
 
-    const fn frame(&self, data: [u8; DATA_MAX]) -> Frame {
+    /// The frame with the present values.
+    #[inline(never)]
+    fn frame<const LEN: usize>(&self, values: &Values<LEN>) -> Frame {
+        let data = self.mapping.gather(values);
         Frame::prefix(self.parameters.cob_id.can_id(), data, self.mapping.byte_len())
     }
 }
@@ -231,14 +239,13 @@ impl Tpdo {
 impl Progress {
     /// Counts a SYNC. Whether it is the n-th, which begins the next count.
     fn count_sync(&mut self, counter: Option<u8>, start: u8, nth: u8) -> bool {
-        let before = match (self.syncs, counter) {
-            (None, Some(counter)) if counter != start => return false,
-            (None, _) => 0,
-            (Some(syncs), _) => syncs,
+        let left = match (self.syncs_left, counter) {
+            (0, Some(counter)) if start > 0 && counter != start => return false,
+            (0, _) => nth,
+            (left, _) => left,
         };
-        let syncs = before.saturating_add(1);
-        let goes = syncs >= nth;
-        self.syncs = Some(if goes { 0 } else { syncs });
+        let goes = left == 1;
+        self.syncs_left = if goes { nth } else { left.saturating_sub(1) };
         goes
     }
 }

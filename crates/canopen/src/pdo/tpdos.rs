@@ -2,6 +2,7 @@ use heapless::Vec;
 use object_dictionary::{Slot, Values};
 use units::Instant;
 
+use super::span::Span;
 use super::tpdo::Tpdo;
 use crate::deadline::Deadline;
 use crate::frame::CanId;
@@ -16,7 +17,7 @@ const TPDO_MAX: usize = 4;
 pub(crate) struct Tpdos {
     tpdos: Vec<Tpdo, TPDO_MAX, u8>,
     /// Where all slots lie whose changes are events; others need no search.
-    watched: Option<(Slot, Slot)>,
+    watched: Span,
     due_at: Deadline,
 }
 
@@ -27,7 +28,7 @@ impl Tpdos {
         for tpdo in (0..).take(TPDO_MAX).filter_map(|number| Tpdo::new(number, values, rules)) {
             let _ = tpdos.push(tpdo);
         }
-        Self { tpdos, watched: None, due_at: Deadline::NEVER }
+        Self { tpdos, watched: Span::EMPTY, due_at: Deadline::NEVER }
     }
 
     /// The node is Operational. Those in progress go on.
@@ -79,15 +80,15 @@ impl Tpdos {
     /// The value at `slot` changed. What that lets go out is due at once, or when the inhibit time
     /// ends.
     pub(crate) fn note_change(&mut self, slot: Slot) {
-        if self.may_watch((slot, slot)) {
+        if self.may_watch(Span::of(slot)) {
             self.tpdos.iter_mut().for_each(|tpdo| tpdo.note_change(slot));
             self.schedule();
         }
     }
 
-    /// Whether a change of a slot from the first to the second may be an event.
-    pub(super) fn may_watch(&self, (lowest, highest): (Slot, Slot)) -> bool {
-        self.watched.is_some_and(|(first, last)| first <= highest && lowest <= last)
+    /// Whether a change of one of these slots may be an event.
+    pub(super) fn may_watch(&self, span: Span) -> bool {
+        self.watched.meets(span)
     }
 
     /// The product has an event for the PDO 0x1800 + `number`.
@@ -160,8 +161,7 @@ impl Tpdos {
     }
 
     fn watch(&mut self) {
-        let join = |(a, b): (Slot, Slot), (c, d)| (a.min(c), b.max(d));
-        self.watched = self.tpdos.iter().filter_map(Tpdo::watched).reduce(join);
+        self.watched = self.tpdos.iter().map(Tpdo::watched).fold(Span::EMPTY, Span::join);
         self.schedule();
     }
 
