@@ -8,14 +8,20 @@
 //! CiA 301 demands, so that no figure belongs to a stack that did not do the work.
 #![cfg_attr(target_os = "none", no_std)]
 
+#[cfg(feature = "peers")]
+pub mod canopen_rs;
+#[cfg(any(feature = "image", not(target_os = "none")))]
 mod operations;
 pub mod spindle;
+#[cfg(feature = "peers")]
+pub mod zencan;
 
+#[cfg(any(feature = "image", not(target_os = "none")))]
 #[cfg_attr(target_os = "none", path = "m4.rs")]
 #[cfg_attr(not(target_os = "none"), path = "host.rs")]
 mod platform;
 
-pub use operations::OPERATIONS;
+#[cfg(any(feature = "image", not(target_os = "none")))]
 pub use platform::main;
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -25,24 +31,36 @@ pub trait Stack {
     /// A frame as the stack receives it.
     type Frame;
 
-    /// DEV1 after its boot-up message, in Pre-operational. Its inputs 0x6000 and 0x6001 hold
-    /// [`input_32`] and [`input_8`] of their sub-indices.
+    /// DEV1 after its boot-up message, in Pre-operational, at the time 0. Its inputs 0x6000 and
+    /// 0x6001 hold [`input_32`] and [`input_8`] of their sub-indices.
     fn new() -> Self;
 
-    /// A data frame. `data` has at most 8 bytes.
-    fn frame(id: u16, data: &[u8]) -> Self::Frame;
+    /// A data frame of `len` bytes, at most 8.
+    fn frame(id: u16, len: u8, data: [u8; 8]) -> Self::Frame;
+
+    /// A remote frame that asks for `len` bytes, at most 8.
+    fn remote_frame(id: u16, len: u8) -> Self::Frame;
 
     /// One operation: takes `frame`, does all that follows from it, sends to `bus`.
-    fn handle(&mut self, frame: &Self::Frame, bus: &Bus);
+    fn handle(&mut self, now_us: u64, frame: &Self::Frame, bus: &impl Bus);
 
-    /// What the stack asks for when nothing happens: every millisecond, or never.
-    fn tick(&mut self, bus: &Bus);
+    /// What a device does that looks again and again whether time has brought anything.
+    fn tick(&mut self, now_us: u64, bus: &impl Bus);
 
     /// The value of output 0x6200:`sub`.
     fn output_32(&mut self, sub: u8) -> u32;
 
     /// The value of output 0x6201:`sub`.
     fn output_8(&mut self, sub: u8) -> u8;
+}
+
+/// Where frames go.
+pub trait Bus {
+    /// Whether a frame would be taken now.
+    fn is_free(&self) -> bool;
+
+    /// Takes a frame. `data` is zero beyond `len`.
+    fn send(&self, id: u32, len: u32, data: [u8; 8]);
 }
 
 /// What input 0x6000:`sub` holds.
@@ -57,27 +75,33 @@ pub const fn input_8(sub: u8) -> u8 {
     0xA0 + sub
 }
 
-/// Where replies go: memory in place of the mailbox of a controller, written a word at a time.
+/// The bytes of a frame as [`Bus::send`] takes them; none beyond eight count.
+fn padded(data: &[u8]) -> [u8; 8] {
+    data.try_into().unwrap_or_else(|_| {
+        let mut bytes = [0; 8];
+        for (byte, &sent) in bytes.iter_mut().zip(data) {
+            *byte = sent;
+        }
+        bytes
+    })
+}
+
+/// Memory in place of the mailbox of a controller, written a word at a time.
 #[derive(Debug, Default)]
-pub struct Bus {
+struct Memory {
     sent: AtomicU32,
     id: AtomicU32,
     len: AtomicU32,
     data: [AtomicU32; 2],
 }
 
-/// What was sent last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sent {
-    id: u32,
-    len: u32,
-    data: [u8; 8],
-}
+impl Bus for Memory {
+    fn is_free(&self) -> bool {
+        true
+    }
 
-impl Bus {
-    /// Takes a frame. `data` is zero beyond `len`.
     #[inline]
-    pub fn send(&self, id: u32, len: u32, data: [u8; 8]) {
+    fn send(&self, id: u32, len: u32, data: [u8; 8]) {
         let [a, b, c, d, e, f, g, h] = data;
         let [low, high] = &self.data;
         low.store(u32::from_le_bytes([a, b, c, d]), Ordering::Relaxed);
@@ -86,34 +110,4 @@ impl Bus {
         self.id.store(id, Ordering::Relaxed);
         self.sent.store(self.sent.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
     }
-
-    /// How many frames were sent since the last call.
-    fn take_sent(&self) -> u32 {
-        let sent = self.sent.load(Ordering::Relaxed);
-        self.sent.store(0, Ordering::Relaxed);
-        sent
-    }
-
-    fn last(&self) -> Sent {
-        let [low, high] = &self.data;
-        let low = low.load(Ordering::Relaxed).to_le_bytes();
-        let high = high.load(Ordering::Relaxed).to_le_bytes();
-        let mut data = [0; 8];
-        for (byte, sent) in data.iter_mut().zip(low.into_iter().chain(high)) {
-            *byte = sent;
-        }
-        Sent { id: self.id.load(Ordering::Relaxed), len: self.len.load(Ordering::Relaxed), data }
-    }
-}
-
-/// The function whose instructions are counted.
-#[inline(never)]
-fn operate<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Bus) {
-    stack.handle(frame, bus);
-}
-
-/// The same for what happens without a frame.
-#[inline(never)]
-fn operate_idle<S: Stack>(stack: &mut S, _: &S::Frame, bus: &Bus) {
-    stack.tick(bus);
 }

@@ -5,7 +5,8 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use semihosting::println;
 
-use crate::{Bus, OPERATIONS, Stack};
+use crate::operations::OPERATIONS;
+use crate::{Memory, Stack};
 
 /// How often each operation is done.
 const TIMES: u32 = 1_000;
@@ -24,9 +25,9 @@ pub fn main<S: Stack>() -> ! {
     timer.enable_counter();
     for operation in OPERATIONS {
         operation.check::<S>();
-        let bus = Bus::default();
+        let bus = Memory::default();
         let (mut stack, frames) = operation.prepare::<S>(&bus);
-        let mut count = |function: fn(&mut S, &S::Frame, &Bus)| {
+        let mut count = |function: fn(&mut S, &S::Frame, &Memory)| {
             ticks(|| {
                 let function = core::hint::black_box(function);
                 for _ in 0..TIMES / 2 {
@@ -38,7 +39,7 @@ pub fn main<S: Stack>() -> ! {
         };
         let overhead = count(nothing);
         let all = count(operation.function());
-        let each = (all - overhead) * NANOSECONDS_PER_TICK / TIMES;
+        let each = all.saturating_sub(overhead) * NANOSECONDS_PER_TICK / TIMES;
         println!("{each}\t{}", operation.name);
     }
     semihosting::process::exit(0)
@@ -52,6 +53,6 @@ fn ticks(action: impl FnOnce()) -> u32 {
 
 /// What is not the operation: its loop and its call.
 #[inline(never)]
-fn nothing<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Bus) {
+fn nothing<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Memory) {
     core::hint::black_box((stack, frame, bus));
 }

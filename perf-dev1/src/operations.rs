@@ -1,22 +1,24 @@
 //! The operations: what is received, and what has to come of it.
 
-use crate::{Bus, Sent, Stack, input_8, input_32, operate, operate_idle};
+use core::sync::atomic::Ordering;
+
+use crate::{Memory, Stack, input_8, input_32, padded};
 
 /// A frame as plain data.
-type Frame = (u16, &'static [u8]);
+type Frame<'a> = (u16, &'a [u8]);
 
 /// Something a device does all day. It is done by turns with one frame and another, so that values
 /// do change.
 #[derive(Clone, Copy, Debug)]
-pub struct Operation {
+pub(crate) struct Operation {
     /// What it is called in the tables.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// What configures the device for it, in Pre-operational; all are SDO downloads.
     configuration: &'static [[u8; 8]],
     /// What starts it, by turns. Nothing for the passage of time.
-    requests: Option<[Frame; 2]>,
+    requests: Option<[Frame<'static>; 2]>,
     /// What the device sends each time, if anything.
-    replies: Option<[Frame; 2]>,
+    replies: Option<[Frame<'static>; 2]>,
     /// What it leaves behind.
     effect: Effect,
 }
@@ -50,7 +52,7 @@ const TPDO_2_WITH_SYNC: &[[u8; 8]] = &[
 ];
 
 /// All of them, in the order of the tables.
-pub const OPERATIONS: [Operation; 10] = [
+pub(crate) const OPERATIONS: [Operation; 10] = [
     Operation {
         name: "SDO upload 0x1017",
         configuration: &[],
@@ -147,26 +149,26 @@ impl Operation {
     ///
     /// # Panics
     /// When the stack refuses the configuration.
-    pub(crate) fn prepare<S: Stack>(&self, bus: &Bus) -> (S, [S::Frame; 2]) {
+    pub(crate) fn prepare<S: Stack>(&self, bus: &Memory) -> (S, [S::Frame; 2]) {
         let mut stack = S::new();
         for request in self.configuration {
-            operate(&mut stack, &S::frame(REQUEST, request), bus);
+            operate(&mut stack, &frame::<S>((REQUEST, request)), bus);
             let [_, low, high, sub, ..] = *request;
             let taken = [0x60, low, high, sub, 0, 0, 0, 0];
             assert_eq!(bus.last(), sent((RESPONSE, &taken)), "{}: configuration", self.name);
         }
-        operate(&mut stack, &S::frame(NMT, START), bus);
+        operate(&mut stack, &frame::<S>((NMT, START)), bus);
         let [first, second] = self.requests.unwrap_or([(0x7FF, &[]); 2]);
-        (stack, [first, second].map(|(id, data)| S::frame(id, data)))
+        (stack, [first, second].map(frame::<S>))
     }
 
     /// Does it once.
-    pub(crate) fn run<S: Stack>(&self, stack: &mut S, frame: &S::Frame, bus: &Bus) {
+    pub(crate) fn run<S: Stack>(&self, stack: &mut S, frame: &S::Frame, bus: &Memory) {
         (self.function())(stack, frame, bus);
     }
 
     /// The function that does it.
-    pub(crate) fn function<S: Stack>(&self) -> fn(&mut S, &S::Frame, &Bus) {
+    pub(crate) fn function<S: Stack>(&self) -> fn(&mut S, &S::Frame, &Memory) {
         if self.requests.is_some() { operate } else { operate_idle }
     }
 
@@ -175,7 +177,7 @@ impl Operation {
     /// # Panics
     /// When something else comes of it.
     pub(crate) fn check<S: Stack>(&self) {
-        let bus = Bus::default();
+        let bus = Memory::default();
         let (mut stack, frames) = self.prepare::<S>(&bus);
         bus.take_sent();
         for turn in (0..frames.len()).cycle().take(10) {
@@ -210,10 +212,57 @@ impl Operation {
     }
 }
 
-fn sent((id, bytes): (u16, &[u8])) -> Sent {
-    let mut data = [0; 8];
-    for (byte, &wanted) in data.iter_mut().zip(bytes) {
-        *byte = wanted;
+/// All operations happen at once: nothing is due.
+const NOW_US: u64 = 1_000;
+
+/// The function whose instructions are counted.
+#[inline(never)]
+fn operate<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Memory) {
+    stack.handle(NOW_US, frame, bus);
+}
+
+/// The same for what happens without a frame.
+#[inline(never)]
+fn operate_idle<S: Stack>(stack: &mut S, _: &S::Frame, bus: &Memory) {
+    stack.tick(NOW_US, bus);
+}
+
+/// What was sent last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sent {
+    id: u32,
+    len: u32,
+    data: [u8; 8],
+}
+
+impl Memory {
+    /// How many frames were sent since the last call.
+    fn take_sent(&self) -> u32 {
+        let sent = self.sent.load(Ordering::Relaxed);
+        self.sent.store(0, Ordering::Relaxed);
+        sent
     }
-    Sent { id: u32::from(id), len: u32::try_from(bytes.len()).unwrap_or(u32::MAX), data }
+
+    fn last(&self) -> Sent {
+        let [low, high] = &self.data;
+        let low = low.load(Ordering::Relaxed).to_le_bytes();
+        let high = high.load(Ordering::Relaxed).to_le_bytes();
+        let mut data = [0; 8];
+        for (byte, sent) in data.iter_mut().zip(low.into_iter().chain(high)) {
+            *byte = sent;
+        }
+        Sent { id: self.id.load(Ordering::Relaxed), len: self.len.load(Ordering::Relaxed), data }
+    }
+}
+
+fn frame<S: Stack>((id, data): Frame<'_>) -> S::Frame {
+    S::frame(id, len(data), padded(data))
+}
+
+fn sent((id, data): Frame<'_>) -> Sent {
+    Sent { id: u32::from(id), len: u32::from(len(data)), data: padded(data) }
+}
+
+fn len(data: &[u8]) -> u8 {
+    u8::try_from(data.len()).unwrap_or(u8::MAX)
 }

@@ -1,14 +1,11 @@
 //! DEV1 on the stack of this repository.
 
-use canopen::{CanId, Frame, Node};
+use canopen::{CanId, Event, Frame, Node, lss};
 use dev1::{DICTIONARY, Device, LEN};
 use object_dictionary::{ObjectId, Slot};
 use units::Instant;
 
-use crate::{Bus, Stack, input_8, input_32};
-
-/// All operations happen at once.
-const NOW: Instant = Instant::from_micros(1_000);
+use crate::{Bus, Memory, Stack, input_8, input_32};
 
 /// The stack of this repository.
 #[derive(Debug)]
@@ -22,30 +19,33 @@ impl Stack for Spindle {
 
     fn new() -> Self {
         let mut stack = Self { node: dev1::node(), device: Device::new() };
-        for sub in 1..=4 {
-            stack.node.set_value(NOW, slot(0x6000, sub), input_32(sub));
-        }
-        for sub in 1..=8 {
-            stack.node.set_value(NOW, slot(0x6001, sub), u32::from(input_8(sub)));
-        }
-        stack.node.boot(NOW);
-        stack.drain(&Bus::default());
+        stack.start(Instant::ZERO);
+        stack.drain(Instant::ZERO, &Memory::default());
         stack
     }
 
-    fn frame(id: u16, data: &[u8]) -> Frame {
-        let frame = CanId::new(id).and_then(|id| Frame::new(id, data));
-        frame.expect("11 bits and at most 8 bytes")
+    fn frame(id: u16, len: u8, data: [u8; 8]) -> Frame {
+        Frame::prefix(CanId::from_low_bits(u32::from(id)), data, len)
     }
 
-    fn handle(&mut self, frame: &Frame, bus: &Bus) {
-        self.node.handle_frame(NOW, frame, &mut self.device);
-        self.drain(bus);
+    fn remote_frame(id: u16, len: u8) -> Frame {
+        let id = CanId::from_low_bits(u32::from(id));
+        Frame::new_remote(id, len).unwrap_or(Frame::full(id, [0; 8]))
     }
 
-    fn tick(&mut self, bus: &Bus) {
-        self.node.handle_timeout(NOW, &mut self.device);
-        self.drain(bus);
+    fn handle(&mut self, now_us: u64, frame: &Frame, bus: &impl Bus) {
+        let now = Instant::from_micros(now_us);
+        self.node.handle_frame(now, frame, &mut self.device);
+        self.drain(now, bus);
+        core::hint::black_box(self.node.poll_timeout());
+    }
+
+    fn tick(&mut self, now_us: u64, bus: &impl Bus) {
+        let now = Instant::from_micros(now_us);
+        if self.node.poll_timeout().is_some_and(|due_at| due_at <= now) {
+            self.node.handle_timeout(now, &mut self.device);
+        }
+        self.drain(now, bus);
     }
 
     fn output_32(&mut self, sub: u8) -> u32 {
@@ -59,14 +59,40 @@ impl Stack for Spindle {
 }
 
 impl Spindle {
-    fn drain(&mut self, bus: &Bus) {
+    fn start(&mut self, now: Instant) {
+        for sub in 1..=4 {
+            self.node.set_value(now, slot(0x6000, sub), input_32(sub));
+        }
+        for sub in 1..=8 {
+            self.node.set_value(now, slot(0x6001, sub), u32::from(input_8(sub)));
+        }
+        self.node.boot(now);
+    }
+
+    fn drain(&mut self, now: Instant, bus: &impl Bus) {
         while let Some(event) = self.node.poll_event() {
-            core::hint::black_box(event);
+            self.follow(now, event);
         }
-        while let Some(frame) = self.node.take_transmit() {
-            bus.send(u32::from(frame.id().get()), u32::from(frame.dlc()), frame.bytes());
+        while bus.is_free()
+            && let Some(frame) = self.node.take_transmit()
+        {
+            bus.send(u32::from(frame.id().get()), u32::from(frame.dlc()), frame.padded());
         }
-        core::hint::black_box(self.node.poll_timeout());
+    }
+
+    /// What a device without a memory and without other bit rates does.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "nothing else asks for anything")]
+    fn follow(&mut self, now: Instant, event: Event) {
+        match event {
+            Event::ResetNode | Event::ResetCommunication => {
+                self.node = dev1::node();
+                self.start(now);
+            }
+            Event::Lss(lss::Event::Store { .. }) => {
+                self.node.handle_lss_stored(Err(lss::StoreError::NotSupported));
+            }
+            _ => {}
+        }
     }
 }
 

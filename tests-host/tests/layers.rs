@@ -38,6 +38,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("tests-host",        &["emulated", "units", "world"]),
     ("tests-qemu",        &["canopen", "object-dictionary", "positioning", "shared-proto", "units"]),
     ("perf-dev1",         &["canopen", "dev1", "object-dictionary", "units"]),
+    ("perf-footprint",    &["perf-dev1"]),
     ("xtask",             &["object-dictionary", "profiles"]),
 ];
 

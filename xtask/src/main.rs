@@ -28,8 +28,11 @@ cargo xtask VERB
   ci                       the same as test
   codegen                  write the files that are made from the dictionaries
   size                     flash and RAM of the images, and the crates that take most of it
-  perf                     measure the images on the bench
+  size --stack             flash and RAM of the smallest CANopen device, beside other stacks
+  perf                     count the instructions of the CANopen stack and of others, measure the
+                           images on the bench
   perf --stack             count the instructions of the CANopen stack, in seconds
+  perf --peers             count those of other stacks too
   panics                   look in the images for ways from the logic to a panic
   fuzz [TARGET] [--minutes N]
                            look for inputs that break a rule, 10 minutes for each target
@@ -47,9 +50,11 @@ fn main() -> ExitCode {
         ["up", rest @ ..] => up::up(rest),
         ["test" | "ci"] => test::test(),
         ["codegen"] => codegen::write(),
-        ["size"] => size::size(),
-        ["perf"] => up::perf(),
+        ["size"] => size::size().and_then(|()| stack::footprint()),
+        ["size", "--stack"] => stack::footprint(),
+        ["perf"] => stack::perf_with_peers().and_then(|()| up::perf()),
         ["perf", "--stack"] => stack::perf(),
+        ["perf", "--peers"] => stack::perf_with_peers(),
         ["panics"] => panics::panics(),
         ["fuzz", rest @ ..] => fuzz::fuzz(rest),
         ["miri"] => miri::miri(),

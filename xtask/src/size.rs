@@ -50,6 +50,14 @@ pub(crate) fn size() -> Result<(), Failure> {
     })
 }
 
+/// Bytes in flash and RAM that a program takes.
+pub(crate) fn flash_and_ram(image: &Path) -> Result<(u64, u64), Failure> {
+    let bytes = fs::read(image).map_err(|e| unreadable(image, &e))?;
+    let file = object::File::parse(bytes.as_slice()).map_err(|e| unreadable(image, &e))?;
+    let Size { text, data, bss } = sections(&file);
+    Ok((text + data, data + bss))
+}
+
 fn for_each_image(mut each: impl FnMut(&str, &object::File<'_>)) -> Result<(), Failure> {
     for product in images::PRODUCTS {
         for controller in Controller::BOTH {

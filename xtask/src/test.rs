@@ -63,8 +63,17 @@ fn lint() -> Result<(), Failure> {
     run::step(
         run::cargo(["clippy", "--target", TARGET]).args(vectors).args(["--", "-D", "warnings"]),
     )?;
-    let perf = ["clippy", "--package", "perf-dev1", "--target", TARGET, "--", "-D", "warnings"];
-    run::step(&mut run::cargo(perf))
+    for package in [
+        ["perf-dev1", "--features", "image,peers", "--bins"].as_slice(),
+        &["perf-footprint", "--features", "image", "--bins"],
+    ] {
+        run::step(
+            run::cargo(["clippy", "--target", TARGET, "--package"])
+                .args(package)
+                .args(["--", "-D", "warnings"]),
+        )?;
+    }
+    Ok(())
 }
 
 fn document() -> Result<(), Failure> {

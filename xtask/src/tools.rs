@@ -17,6 +17,8 @@ pub(crate) enum Tool {
     Qemu,
     /// Python's own means to install packages apart from the system's.
     PythonVenv,
+    /// Counts instructions on the host.
+    Valgrind,
     /// Writes to the boards.
     ProbeRs,
     /// Runs the fuzz targets.
@@ -36,6 +38,7 @@ impl Tool {
                 .is_some_and(|dir| std::path::Path::new(dir.trim()).is_dir()),
             Self::Qemu => runs("qemu-system-arm", &["--version"]),
             Self::PythonVenv => runs("python3", &["-c", "import venv, ensurepip"]),
+            Self::Valgrind => runs("valgrind", &["--version"]),
             Self::ProbeRs => runs("probe-rs", &["--version"]),
             Self::CargoFuzz => runs("cargo-fuzz", &["--version"]),
             Self::Miri => runs("rustup", &["run", NIGHTLY, "cargo", "miri", "--version"]),
@@ -52,6 +55,7 @@ impl Tool {
             Self::PythonVenv => {
                 "python3 with the venv module is missing: sudo apt-get install python3-venv"
             }
+            Self::Valgrind => "valgrind is missing: sudo apt-get install valgrind",
             Self::ProbeRs => {
                 "probe-rs is missing: cargo install probe-rs-tools --locked (it needs: sudo \
                  apt-get install pkg-config libudev-dev)"

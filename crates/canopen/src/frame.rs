@@ -119,12 +119,6 @@ impl Frame {
     pub fn data(&self) -> &[u8] {
         if self.remote { &[] } else { self.data.get(..usize::from(self.len)).unwrap_or(&[]) }
     }
-
-    /// The data as a mailbox takes it: zeros where [`Self::data`] has no bytes.
-    #[must_use]
-    pub const fn bytes(&self) -> [u8; DATA_MAX] {
-        self.data
-    }
 }
 
 #[cfg(test)]
@@ -138,7 +132,6 @@ mod tests {
         assert_eq!(Frame::new(id, &[0; 9]), None);
         assert_eq!(Frame::new_remote(id, 9), None);
         assert_eq!(Frame::new(id, &[1, 2]).unwrap().data(), [1, 2]);
-        assert_eq!(Frame::new(id, &[1, 2]).unwrap().bytes(), [1, 2, 0, 0, 0, 0, 0, 0]);
         assert_eq!(Frame::new_remote(id, 4).unwrap().data(), []);
         assert_eq!(Frame::new_remote(id, 4).unwrap().dlc(), 4);
     }

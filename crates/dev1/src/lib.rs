@@ -6,14 +6,15 @@
 //! conformance test can be compared.
 #![no_std]
 
-use canopen::{Application, BlockTransfer, Node, NodeId, Settings, WriteError};
+use canopen::{Application, BlockTransfer, Node, NodeId, Settings, WriteError, lss};
 use object_dictionary::{Number, Object, PdoMapping, Row, Slot, Value};
 
 /// Its node-ID.
 pub const NODE_ID: NodeId = NodeId::new(0x10).expect("16 is a node-ID");
 
 /// As CiA 301 has it, with all that is optional.
-pub static SETTINGS: Settings = Settings::CIA_301;
+pub static SETTINGS: Settings =
+    Settings { lss: Some(&lss::Settings::CIA_305), ..Settings::CIA_301 };
 
 /// Bytes of the block, 0x2000.
 pub const BLOB_LEN: usize = 64;

@@ -220,7 +220,7 @@ impl Reception {
 fn padded(frame: &Frame) -> Bytes {
     let mut bytes: Bytes = [0; _];
     if let Some(data) = bytes.first_chunk_mut() {
-        *data = frame.bytes();
+        *data = frame.padded();
     }
     bytes
 }

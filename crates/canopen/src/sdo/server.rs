@@ -100,7 +100,7 @@ impl Server {
         frame: &Frame,
         objects: &mut Objects<'_, A, LEN>,
     ) -> Option<[u8; DATA_MAX]> {
-        let (bytes, len) = (frame.bytes(), frame.dlc());
+        let (bytes, len) = (frame.padded(), frame.dlc());
         let [command, ..] = bytes;
         let room = len.checked_sub(HEAD_LEN)?;
         let in_block = self.expects_block_segment();
