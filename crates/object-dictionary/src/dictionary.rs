@@ -5,7 +5,20 @@ use crate::row::{Access, Default, ObjectId, Row, Storage, WriteState};
 #[derive(Debug)]
 pub struct Dictionary {
     rows: &'static [Row],
+    /// The first row of each index, at the hash of the index.
+    firsts: &'static [u16],
+    multiplier: u32,
 }
+
+/// Where the rows of each index begin: a hash table without collisions.
+#[derive(Debug)]
+pub struct Places<const LEN: usize> {
+    firsts: [u16; LEN],
+    multiplier: u32,
+}
+
+/// There is no object at this place.
+const VACANT: u16 = u16::MAX;
 
 /// The place of an entry in its dictionary. Looked up once, it saves the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -38,12 +51,12 @@ impl Slot {
 }
 
 impl Dictionary {
-    /// A dictionary of these rows. Panics, at compile time, when they are out of order, doubled, or
-    /// have a stored or constant default outside
-    /// their limits.
+    /// A dictionary of these rows; [`dictionary!`](crate::dictionary) makes the places. Panics, at
+    /// compile time, when the rows are out of order, doubled, or have a stored or constant default
+    /// outside their limits.
     #[must_use]
-    pub const fn new(rows: &'static [Row]) -> Self {
-        assert!(rows.len() <= u16::MAX as usize, "too many rows");
+    pub const fn new<const LEN: usize>(rows: &'static [Row], places: &'static Places<LEN>) -> Self {
+        assert!(rows.len() < VACANT as usize, "too many rows");
         let mut left = rows;
         while let [row, rest @ ..] = left {
             check(row);
@@ -52,7 +65,7 @@ impl Dictionary {
             }
             left = rest;
         }
-        Self { rows }
+        Self { rows, firsts: &places.firsts, multiplier: places.multiplier }
     }
 
     /// All rows, in ascending order.
@@ -66,14 +79,27 @@ impl Dictionary {
     /// # Errors
     /// Says whether index or sub-index is missing.
     pub fn find(&self, id: ObjectId) -> Result<Slot, Missing> {
-        let first = self.rows.partition_point(|row| row.id.index < id.index);
-        let object = self.rows.get(first..).unwrap_or(&[]);
-        let sub = usize::from(id.sub);
-        let offset = match object.get(sub) {
-            Some(row) if row.id == id => sub,
-            Some(_) | None => search(object, id)?,
-        };
-        Ok(Slot(u16::try_from(first + offset).unwrap_or(u16::MAX)))
+        let place = hash(id.index, self.multiplier, self.firsts.len());
+        let first = self.firsts.get(place).copied().unwrap_or(VACANT);
+        match self.rows.get(usize::from(first)) {
+            Some(row) if row.id.index == id.index => {
+                let slot = Slot(first + u16::from(id.sub));
+                match self.row(slot) {
+                    Some(row) if row.id == id => Ok(slot),
+                    Some(_) | None => self.search(first, id),
+                }
+            }
+            Some(_) | None => Err(Missing::Object),
+        }
+    }
+
+    /// The place of an entry whose sub-index does not say it, since others are left out before it.
+    #[cold]
+    fn search(&self, first: u16, id: ObjectId) -> Result<Slot, Missing> {
+        let rows = self.rows.get(usize::from(first)..).unwrap_or(&[]);
+        let entries = rows.iter().take_while(|row| row.id.index == id.index);
+        let found = (first..).zip(entries).find(|(_, row)| row.id.sub == id.sub);
+        found.map(|(position, _)| Slot(position)).ok_or(Missing::SubIndex)
     }
 
     /// The place of an object that is known to be in this dictionary. For constants: panics when
@@ -102,40 +128,104 @@ impl Dictionary {
     pub fn slots(&self) -> impl Iterator<Item = (Slot, &'static Row)> + use<> {
         (0..=u16::MAX).map(Slot).zip(self.rows)
     }
+}
 
-    /// A number that sets two dictionaries apart when any index, type, access, default or limit
-    /// differs (FNV-1a). Two controllers built from different tables recognise it.
+/// A number that sets two dictionaries apart when any index, type, access, default or limit
+/// differs (FNV-1a). Two controllers built from different tables recognise it.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hash")]
+pub const fn fingerprint(rows: &[Row]) -> u32 {
+    let mut hash = 0x811C_9DC5;
+    let mut left = rows;
+    while let [row, rest @ ..] = left {
+        hash = mix(hash, row.id.key());
+        hash = mix(hash, (row.data_type.len() as u32) << 16 | access_word(row));
+        hash = mix(hash, (row.storage as u32) << 8 | row.owner as u32);
+        hash = match row.default() {
+            Default::Number(value) => mix(hash, value),
+            Default::NodeIdPlus(base) => mix(mix(hash, base), 1),
+            Default::Text(text) => mix(hash, text.len() as u32),
+        };
+        let limits = row.limits();
+        hash = mix(mix(hash, limits.min as u32), limits.max as u32);
+        left = rest;
+    }
+    hash
+}
+
+/// How many places these rows take.
+#[must_use]
+pub const fn places_len(rows: &[Row]) -> usize {
+    let (len, _) = spread(rows);
+    len
+}
+
+impl<const LEN: usize> Places<LEN> {
+    /// The places of these rows. `LEN` is their [`places_len`].
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a hash")]
-    pub const fn fingerprint(&self) -> u32 {
-        let mut hash = 0x811C_9DC5;
-        let mut left = self.rows;
-        while let [row, rest @ ..] = left {
-            hash = mix(hash, row.id.key());
-            hash = mix(hash, (row.data_type.len() as u32) << 16 | access_word(row));
-            hash = mix(hash, (row.storage as u32) << 8 | row.owner as u32);
-            hash = match row.default() {
-                Default::Number(value) => mix(hash, value),
-                Default::NodeIdPlus(base) => mix(mix(hash, base), 1),
-                Default::Text(text) => mix(hash, text.len() as u32),
-            };
-            let limits = row.limits();
-            hash = mix(mix(hash, limits.min as u32), limits.max as u32);
-            left = rest;
+    #[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "in a constant")]
+    pub const fn of(rows: &[Row]) -> Self {
+        let (len, multiplier) = spread(rows);
+        assert!(len == LEN, "another number of places");
+        let mut firsts = [VACANT; LEN];
+        let mut at = rows.len();
+        while at > 0 {
+            at -= 1;
+            firsts[hash(rows[at].id.index, multiplier, LEN)] = at as u16;
         }
-        hash
+        Self { firsts, multiplier }
     }
 }
 
-/// How far behind the first entry of its object an entry lies whose sub-index does not say it,
-/// since others are left out before it.
-#[cold]
-fn search(object: &[Row], id: ObjectId) -> Result<usize, Missing> {
-    let mut entries = object.iter().take_while(|row| row.id.index == id.index);
-    match entries.clone().next() {
-        Some(_) => entries.position(|row| row.id.sub == id.sub).ok_or(Missing::SubIndex),
-        None => Err(Missing::Object),
+/// Objects of the largest product at most.
+const OBJECTS_MAX: usize = 256;
+/// Places that these may take.
+const PLACES_MAX: usize = 1 << 12;
+/// Multipliers to try before the number of places is doubled.
+const TRIES: u32 = 400;
+
+/// The smallest number of places, a power of two, and a multiplier with which every index has one of
+/// its own.
+#[expect(clippy::indexing_slicing, reason = "in a constant")]
+const fn spread(rows: &[Row]) -> (usize, u32) {
+    let mut indices = [0; OBJECTS_MAX];
+    let mut count = 0;
+    let mut at = 0;
+    while at < rows.len() {
+        if at == 0 || rows[at - 1].id.index != rows[at].id.index {
+            indices[count] = rows[at].id.index;
+            count += 1;
+        }
+        at += 1;
     }
+    let (indices, _) = indices.split_at(count);
+    let mut taken_in = [0; PLACES_MAX];
+    let mut len = count.next_power_of_two();
+    let mut attempt = 1;
+    loop {
+        let multiplier = (attempt * 2 + 1_u32).wrapping_mul(0x9E37_79B1);
+        let mut at = 0;
+        while at < count {
+            let place = hash(indices[at], multiplier, len);
+            if taken_in[place] == attempt {
+                break;
+            }
+            taken_in[place] = attempt;
+            at += 1;
+        }
+        if at == count {
+            return (len, multiplier);
+        }
+        if attempt % TRIES == 0 {
+            len *= 2;
+        }
+        attempt += 1;
+    }
+}
+
+/// One of `len` places, a power of two.
+const fn hash(index: u16, multiplier: u32, len: usize) -> usize {
+    (index as u32).wrapping_mul(multiplier) as usize >> 16 & (len - 1)
 }
 
 const fn access_word(row: &Row) -> u32 {
@@ -193,7 +283,7 @@ mod tests {
     fn names_stay_beside_the_rows() {
         assert_eq!((LEN, TEXTS.len()), (4, 4));
         assert_eq!(TEXTS.get(2).map(|text| text.name), Some("Text"));
-        assert_eq!(FINGERPRINT, DICTIONARY.fingerprint());
+        assert_eq!(FINGERPRINT, fingerprint(DICTIONARY.rows()));
     }
 
     #[test]
@@ -217,11 +307,26 @@ mod tests {
     }
 
     #[test]
+    fn whatever_is_looked_for_is_found_where_it_is() {
+        for index in 0..=u16::MAX {
+            for sub in [0, 1, 2, 255] {
+                let id = ObjectId { index, sub };
+                let position = DICTIONARY.slots().find(|(_, row)| row.id == id);
+                let known = DICTIONARY.rows().iter().any(|row| row.id.index == index);
+                let missing = if known { Missing::SubIndex } else { Missing::Object };
+                let expected = position.map(|(slot, _)| slot).ok_or(missing);
+                assert_eq!(DICTIONARY.find(id), expected, "{id:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_command_may_answer_with_what_can_not_be_written() {
         const JOG_COMMAND: Object<u8> = Object::new(0x204D, 3, "Jog").read_write().within(11, 13);
         static JOG: Row = row!(JOG_COMMAND);
+        static PLACES: Places<1> = Places { firsts: [0], multiplier: 1 };
         assert_eq!((JOG.initial(1), JOG.permits(0), JOG.permits(11)), (0, false, true));
-        assert_eq!(Dictionary::new(core::slice::from_ref(&JOG)).rows().len(), 1);
+        assert_eq!(Dictionary::new(core::slice::from_ref(&JOG), &PLACES).rows().len(), 1);
     }
 
     #[test]
@@ -237,7 +342,7 @@ mod tests {
             row!(FIRST_ONE.default(1)),
             row!(FIRST_ONE.within(0, 2)),
         ];
-        let alone = |row: &'static Row| Dictionary::new(core::slice::from_ref(row)).fingerprint();
+        let alone = |row: &'static Row| fingerprint(core::slice::from_ref(row));
         let variants = ROWS.each_ref().map(alone);
         for (n, a) in variants.iter().enumerate() {
             for b in variants.iter().skip(n + 1) {

@@ -25,7 +25,7 @@ mod object;
 mod row;
 mod values;
 
-pub use dictionary::{Dictionary, Missing, Slot};
+pub use dictionary::{Dictionary, Missing, Places, Slot, fingerprint, places_len};
 pub use object::{Listing, Number, Object, Text, Unit, Value};
 pub use row::{
     Access, DataType, Default, Limits, ObjectId, OutOfLimits, Owner, Particulars, PdoMapping, Row,
@@ -41,6 +41,17 @@ macro_rules! row {
     };
 }
 
+/// The dictionary of these constant rows.
+#[macro_export]
+macro_rules! dictionary {
+    ($rows:expr) => {
+        $crate::Dictionary::new(
+            $rows,
+            const { &$crate::Places::<{ $crate::places_len($rows) }>::of($rows) },
+        )
+    };
+}
+
 /// Lists the objects of a product in ascending order. Makes `LEN`, the `DICTIONARY` with its
 /// `FINGERPRINT` and, apart from it, the `TEXTS`, all with the visibility given first.
 #[macro_export]
@@ -52,10 +63,10 @@ macro_rules! product {
         $vis const LEN: usize = ROWS.len();
 
         /// The rows, in ascending order.
-        $vis static DICTIONARY: $crate::Dictionary = $crate::Dictionary::new(ROWS);
+        $vis static DICTIONARY: $crate::Dictionary = $crate::dictionary!(ROWS);
 
-        /// Sets this dictionary apart from every other one (see `Dictionary::fingerprint`).
-        $vis const FINGERPRINT: u32 = $crate::Dictionary::new(ROWS).fingerprint();
+        /// Sets this dictionary apart from every other one (see `fingerprint`).
+        $vis const FINGERPRINT: u32 = $crate::fingerprint(ROWS);
 
         /// Name and unit of each row, for EDS files and handbooks.
         $vis const TEXTS: &[$crate::Text] = &[$($object.text()),+];

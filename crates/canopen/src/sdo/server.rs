@@ -233,7 +233,7 @@ impl Server {
         let entry = objects.readable(request.object())?;
         if entry.row.data_type.is_text() {
             objects.load(entry, &mut self.value)?;
-            return self.offer(now, entry);
+            return Ok(Some(self.offer(now, entry, objects.settings().expedited)));
         }
         let number = objects.number(entry);
         let answer = match objects.settings().expedited {
@@ -251,18 +251,24 @@ impl Server {
     }
 
     /// The loaded value, or that it follows in segments.
-    fn offer(&mut self, now: Instant, entry: Entry) -> Answer {
+    fn offer(&mut self, now: Instant, entry: Entry, expedited: Expedited) -> [u8; DATA_MAX] {
         let size = self.size();
         let answer = if (1..=4).contains(&size) {
             let [_, a, b, c, d, ..] = segment(0, &self.value);
             let [len, ..] = size.to_le_bytes();
-            let command = UPLOAD_ANSWER | EXPEDITED | SIZE_INDICATED | (4 - len) << 2;
+            let told = match expedited {
+                Expedited::FourOnly => 0,
+                Expedited::AnyLength | Expedited::OneTwoOrFour | Expedited::LongerToo => {
+                    SIZE_INDICATED | (4 - len) << 2
+                }
+            };
+            let command = UPLOAD_ANSWER | EXPEDITED | told;
             Message::new(command, entry.row.id, u32::from_le_bytes([a, b, c, d]))
         } else {
             self.begin(now, entry, Step::Upload { toggle: 0, sent: 0 });
             Message::new(UPLOAD_ANSWER | SIZE_INDICATED, entry.row.id, size)
         };
-        Ok(Some(answer.to_bytes()))
+        answer.to_bytes()
     }
 
     fn upload_segment(&mut self, now: Instant, command: u8) -> Answer {
@@ -396,7 +402,7 @@ impl Server {
                 let upload = block::Upload::new(crc, block_len)?;
                 objects.load(entry, &mut self.value)?;
                 if self.size() <= threshold.into() && threshold != 0 {
-                    return self.offer(now, entry);
+                    return Ok(Some(self.offer(now, entry, objects.settings().expedited)));
                 }
                 self.begin(now, entry, Step::BlockUpload(upload));
                 Ok(Some(request.answer(block::UPLOAD_ANSWER, self.size()).to_bytes()))

@@ -1,12 +1,14 @@
-//! SDO block transfer as clients meet it.
+//! SDO transfers of several messages as clients meet them.
 #![expect(
     clippy::cast_possible_truncation,
+    clippy::indexing_slicing,
     clippy::unwrap_used,
     reason = "a test that meets what it does not expect has to fail"
 )]
 
 mod client;
 mod download;
+mod lengths;
 mod upload;
 
 use canopen::{Application, BlockTransfer, CanId, Frame, Node, NodeId, Settings, WriteError};

@@ -20,6 +20,8 @@ mod pdo;
 mod receive;
 mod script;
 mod sdo;
+mod sdo_access;
+mod storage;
 mod sync;
 mod time;
 mod transmission;
