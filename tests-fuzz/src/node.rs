@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use canopen::{
-    Application, BlockTransfer, CanId, Event, Frame, Mapped, Node, NodeId, ReadError, Settings,
-    State, TRANSMIT_MAX, WriteError, Written, lss,
+    Application, BlockTransfer, BusState, CanId, Event, Frame, Mapped, Node, NodeId, ReadError,
+    Settings, State, TRANSMIT_MAX, WriteError, Written, lss,
 };
 use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 use units::{Duration, Instant};
@@ -63,6 +63,11 @@ enum Step {
     },
     Errors {
         register: u8,
+    },
+    Supervise(BusState),
+    Overrun,
+    Trigger {
+        number: u16,
     },
     Advance {
         us: u64,
@@ -153,6 +158,26 @@ struct Watch<const LEN: usize> {
     storage: Storage,
     /// LSS answers that are still owed at most.
     lss_owed: usize,
+    heartbeat: Cycle,
+    sync: Cycle,
+}
+
+/// Something that comes again and again.
+#[derive(Clone, Copy)]
+struct Cycle {
+    /// `None` when it is switched off.
+    period: Option<Duration>,
+    /// When it came last, or began.
+    since: Instant,
+}
+
+impl Cycle {
+    fn check(&mut self, now: Instant, period: Option<Duration>) {
+        if period != self.period {
+            *self = Self { period, since: now };
+        }
+        assert!(period.is_none_or(|period| now.since(self.since) <= period), "late: {now:?}");
+    }
 }
 
 impl<const LEN: usize> Watch<LEN> {
@@ -172,6 +197,8 @@ impl<const LEN: usize> Watch<LEN> {
             storage_commands: 0,
             storage: Storage::Idle,
             lss_owed: 0,
+            heartbeat: Cycle { period: None, since: Instant::ZERO },
+            sync: Cycle { period: None, since: Instant::ZERO },
         };
         watch.boot();
         watch
@@ -239,7 +266,18 @@ impl<const LEN: usize> Watch<LEN> {
                 }
                 Step::Set { slot, raw }
             }
-            19 => Step::Emergency { code: bytes.u16()? },
+            19 => bytes.pick(&[
+                Step::Emergency { code: 0x1000 },
+                Step::Emergency { code: 0xFF01 },
+                Step::Overrun,
+                Step::Supervise(BusState::Active),
+                Step::Supervise(BusState::Active),
+                Step::Supervise(BusState::Warning),
+                Step::Supervise(BusState::Passive),
+                Step::Supervise(BusState::Off),
+                Step::Trigger { number: 0 },
+                Step::Trigger { number: 1 },
+            ])?,
             20 => Step::Errors { register: bytes.u8()? & bytes.u8()? },
             21 => Step::Advance { us: u64::from(bytes.u8()?).pow(2) * 4 },
             22 => Step::Mood(bytes.pick(&[
@@ -315,6 +353,9 @@ impl<const LEN: usize> Watch<LEN> {
             }
             Step::Emergency { code } => self.node.send_emergency(code, [0; 5]),
             Step::Errors { register } => self.node.set_error_register(self.now, register),
+            Step::Supervise(state) => self.node.handle_bus(self.now, state),
+            Step::Overrun => self.node.handle_overrun(),
+            Step::Trigger { number } => self.node.trigger_tpdo(self.now, number),
             Step::Advance { us } => self.advance(Duration::from_micros(us)),
             Step::Mood(mood) => self.mood = mood,
             Step::Bus(bus) => self.bus = bus,
@@ -457,6 +498,7 @@ impl<const LEN: usize> Watch<LEN> {
         }
         assert_eq!(self.state, self.node.state());
         self.check_values();
+        self.check_cycles();
         self.own.extend(self.own_ids());
         if self.bus == Bus::Busy {
             self.stale = true;
@@ -510,6 +552,10 @@ impl<const LEN: usize> Watch<LEN> {
             self.lss_owed = left.unwrap_or_else(|| panic!("nobody asked for {frame:02X?}"));
         } else if id == ERROR_CONTROL + node_id {
             self.check_error_control(frame);
+            self.heartbeat.since = self.now;
+        } else if self.is_sync(id) {
+            assert!(frame.dlc() <= 1, "{frame:02X?}");
+            self.sync.since = self.now;
         } else if !self.stale && !self.is_emergency(id) {
             self.check_pdo(frame);
         } else if !self.stale {
@@ -561,6 +607,18 @@ impl<const LEN: usize> Watch<LEN> {
             .collect()
     }
 
+    /// No heartbeat and no SYNC is late.
+    fn check_cycles(&mut self) {
+        let value = |index| self.value(ObjectId { index, sub: 0 }).unwrap_or(0);
+        let produces_sync = value(0x1005) & 1 << 30 != 0 && self.state != State::Stopped;
+        let (sync_us, heartbeat_ms) = (value(0x1006), value(0x1017));
+        let runs = self.bus == Bus::Free && !self.stale && self.state != State::Initialising;
+        let heartbeat = Duration::from_millis(u64::from(heartbeat_ms));
+        let sync = Duration::from_micros(u64::from(sync_us));
+        self.heartbeat.check(self.now, (runs && heartbeat_ms > 0).then_some(heartbeat));
+        self.sync.check(self.now, (runs && produces_sync && sync_us > 0).then_some(sync));
+    }
+
     /// What a master cannot write is not there.
     fn check_values(&self) {
         for (slot, row) in self.subject.dictionary.slots() {
@@ -587,6 +645,11 @@ impl<const LEN: usize> Watch<LEN> {
 
     fn is_emergency(&self, id: u16) -> bool {
         self.value(ObjectId { index: 0x1014, sub: 0 }).and_then(valid) == Some(id)
+    }
+
+    fn is_sync(&self, id: u16) -> bool {
+        let cob_id = self.value(ObjectId { index: 0x1005, sub: 0 }).unwrap_or(0);
+        cob_id & 1 << 30 != 0 && cob_id & 0x7FF == u32::from(id)
     }
 
     fn monitors(&self, producer: u8) -> bool {

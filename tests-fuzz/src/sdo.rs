@@ -224,6 +224,9 @@ impl Talk {
     }
 
     fn wait(&mut self, span: Duration) {
+        if let Some(until) = self.model.until() {
+            assert!(self.node.poll_timeout().is_some_and(|due_at| due_at <= until), "too late");
+        }
         self.now = self.now + span;
         self.node.handle_timeout(self.now, &mut self.product);
         let expected = self.model.wait(self.now);

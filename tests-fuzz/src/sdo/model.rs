@@ -131,6 +131,11 @@ impl Model {
         self.transfer = None;
     }
 
+    /// When the transfer in progress is given up.
+    pub(super) fn until(&self) -> Option<Instant> {
+        self.transfer.as_ref().map(|transfer| transfer.until)
+    }
+
     pub(super) fn wait(&mut self, now: Instant) -> Answer {
         match self.transfer.take_if(|transfer| transfer.until <= now) {
             Some(transfer) => abort(self.object_at(transfer.at), TIMED_OUT),
