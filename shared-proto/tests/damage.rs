@@ -41,8 +41,10 @@ fn a_receiver_finds_its_place_at_the_next_zero() {
 fn no_frame_with_one_or_two_wrong_bits_is_used() {
     let frame = encode(&process_data(9));
     let bits = (frame.len() - 1) * 8;
-    for a in 0..bits {
-        for b in a..bits {
+    // An interpreter needs minutes for all of them.
+    let stride = if cfg!(miri) { 17 } else { 1 };
+    for a in (0..bits).step_by(stride) {
+        for b in (a..bits).step_by(stride) {
             let mut wire = frame.to_vec();
             wire[a / 8] ^= 1 << (a % 8);
             if a != b {

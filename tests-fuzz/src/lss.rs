@@ -111,7 +111,12 @@ fn whole(bytes: &mut Bytes<'_>) -> Option<[u8; 8]> {
         0x4A | 0x4B => choose(3)?,
         0x51 => {
             let (number, [e, f, g]) = choose(any)?;
-            let (bit, next) = (if e < 0x60 { 0x80 } else { e % 40 }, g % 5);
+            let bit = match e {
+                0..=0x4F => 0x80,
+                0x50..=0x9F => 0,
+                _ => e % 40,
+            };
+            let next = g % 5;
             (number, [bit, if f < 0xE0 { any % 4 } else { f }, next])
         }
         _ => {
