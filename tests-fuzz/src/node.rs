@@ -146,12 +146,14 @@ struct Watch<const LEN: usize> {
     bus: Bus,
     /// Frames may be older than the present state and configuration.
     stale: bool,
+    /// Frames that waited were dropped.
+    lost_frames: bool,
     /// Identifiers that waiting frames may have.
     own: BTreeSet<u16>,
     /// SDO answers that are still owed at most.
     sdo_owed: usize,
-    /// The first byte of the last SDO answer.
-    sdo_answered: u8,
+    /// The first byte of the last SDO answer; `None` when that may be lost.
+    sdo_answered: Option<u8>,
     /// Commands to store or restore so far.
     storage_commands: usize,
     /// Whether the storage has such a command to do.
@@ -193,7 +195,8 @@ impl<const LEN: usize> Watch<LEN> {
             stale: false,
             own: BTreeSet::new(),
             sdo_owed: 0,
-            sdo_answered: 0,
+            sdo_answered: Some(0),
+            lost_frames: false,
             storage_commands: 0,
             storage: Storage::Idle,
             lss_owed: 0,
@@ -404,7 +407,7 @@ impl<const LEN: usize> Watch<LEN> {
 
     /// Behind the answer to a block download any frame may be one.
     const fn may_be_a_segment(&self) -> bool {
-        matches!(self.sdo_answered, 0xA2 | 0xA4)
+        matches!(self.sdo_answered, None | Some(0xA2 | 0xA4))
     }
 
     fn check_answer(&self, request: &Frame, answer: &[u8], before: &[u32]) {
@@ -493,7 +496,10 @@ impl<const LEN: usize> Watch<LEN> {
                 Event::FiltersChanged => {}
                 Event::Store { .. } | Event::Restore { .. } => self.begin_storage(),
                 Event::Lss(event) => self.handle_lss(event),
-                Event::TransmitOverflow { .. } => assert_eq!(self.bus, Bus::Busy),
+                Event::TransmitOverflow { .. } => {
+                    assert_eq!(self.bus, Bus::Busy);
+                    self.lost_frames = true;
+                }
             }
         }
         assert_eq!(self.state, self.node.state());
@@ -514,6 +520,9 @@ impl<const LEN: usize> Watch<LEN> {
             }
         }
         assert!(others <= TRANSMIT_MAX + 1, "{others} frames waited");
+        if std::mem::take(&mut self.lost_frames) {
+            self.sdo_answered = None;
+        }
         self.stale = false;
         self.own = self.own_ids();
         answers
@@ -543,7 +552,7 @@ impl<const LEN: usize> Watch<LEN> {
             assert!(self.serves() || self.stale, "{frame:02X?}");
             let left = self.sdo_owed.checked_sub(1);
             self.sdo_owed = left.unwrap_or_else(|| panic!("nobody asked for {frame:02X?}"));
-            self.sdo_answered = frame.data()[0];
+            self.sdo_answered = Some(frame.data()[0]);
             return Some(frame.data().to_vec());
         }
         if id == LSS_RESPONSE {

@@ -36,13 +36,14 @@ const TEXT_7: Object<[u8; 7]> = Object::new(0x2010, 3, "Text").read_write();
 const TEXT_8: Object<[u8; 8]> = Object::new(0x2010, 4, "Text").read_write();
 const TEXT_14: Object<[u8; 14]> = Object::new(0x2010, 5, "Text").read_write();
 const TEXT_32: Object<[u8; 32]> = Object::new(0x2010, 6, "Text").read_write();
+const TEXT_64: Object<[u8; 64]> = Object::new(0x2010, 7, "Text").read_write();
 const LOG: Object<[u8; 255]> = Object::new(0x2011, 0, "Log");
 const SECRET: Object<[u8; 9]> = Object::new(0x2012, 0, "Secret").write_only();
 
 object_dictionary::product! {
     pub(crate)
     DEVICE_TYPE, BYTE, WORD, LONG, SIGNED_BYTE, SIGNED_WORD, SIGNED_LONG, COMMAND, COUNT, FIRST,
-    THIRD, TEXT_1, TEXT_4, TEXT_5, TEXT_7, TEXT_8, TEXT_14, TEXT_32, LOG, SECRET,
+    THIRD, TEXT_1, TEXT_4, TEXT_5, TEXT_7, TEXT_8, TEXT_14, TEXT_32, TEXT_64, LOG, SECRET,
 }
 
 /// The same device once more, as the client knows it.
@@ -66,6 +67,7 @@ const ENTRIES: [Entry; LEN] = [
     Entry { object: (0x2010, 4), kind: Kind::Text(8), rights: Rights::Both, limits: Limits::None },
     Entry { object: (0x2010, 5), kind: Kind::Text(14), rights: Rights::Both, limits: Limits::None },
     Entry { object: (0x2010, 6), kind: Kind::Text(32), rights: Rights::Both, limits: Limits::None },
+    Entry { object: (0x2010, 7), kind: Kind::Text(64), rights: Rights::Both, limits: Limits::None },
     Entry { object: (0x2011, 0), kind: Kind::Text(255), rights: Rights::Read, limits: Limits::None },
     Entry { object: (0x2012, 0), kind: Kind::Text(9), rights: Rights::Write, limits: Limits::None },
 ];
