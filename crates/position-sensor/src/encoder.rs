@@ -55,7 +55,6 @@ pub(crate) static SETTINGS: Settings = Settings {
         not_stored: AbortCode::LOCAL_CONTROL,
     },
     lss: Some(&LAYER_SETTINGS),
-    ..Settings::CIA_301
 };
 
 /// Encoder EN-LSS-01 to EN-LSS-10, B-39.
