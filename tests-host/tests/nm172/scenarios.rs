@@ -690,17 +690,27 @@ fn a_bit_rate_is_activated() {
 #[test]
 fn communication_parameters_are_saved_and_restored() {
     let mut scene = booted(&[]);
+    // How long a memory takes is its own affair: the supply fails on a full half second.
     let restart = |scene: &mut Scene| {
-        scene.run_ms(100).tell("power", json!({ "on": false })).run_ms(100);
-        scene.tell("power", json!({ "on": true })).run_ms(1_000).note("supply back").note_frames();
+        let now = scene.bench.tell("now", json!({}))["us"].as_u64().expect("a time");
+        scene.bench.advance(500_000 - now % 500_000);
+        scene.tell("power", json!({ "on": false })).run_ms(100).frames();
+        scene.tell("power", json!({ "on": true })).run_ms(1_000).note("supply back");
+        let mut frames = scene.frames();
+        frames.sort();
+        frames.iter().for_each(|frame| {
+            scene.note(frame);
+        });
     };
     scene.sdo("2B 17 10 00 F4 01 00 00").sdo("23 80 1F 00 08 00 00 00");
-    scene.sdo("23 10 10 01 00 00 00 00").frames();
+    scene.sdo("23 10 10 01 00 00 00 00");
     restart(&mut scene);
     scene.sdo("2B 17 10 00 F4 01 00 00").sdo("23 80 1F 00 08 00 00 00");
-    scene.sdo("23 02 20 00 07 00 00 00").sdo("23 10 10 01 73 61 76 65").frames();
+    scene.sdo("23 02 20 00 07 00 00 00");
+    assert_eq!(scene.request("23 10 10 01 73 61 76 65"), "60 10 10 01 00 00 00 00");
     restart(&mut scene);
-    scene.sdo("40 17 10 00 00 00 00 00").sdo("23 11 10 01 6C 6F 61 64").frames();
+    scene.sdo("40 17 10 00 00 00 00 00");
+    assert_eq!(scene.request("23 11 10 01 6C 6F 61 64"), "60 11 10 01 00 00 00 00");
     restart(&mut scene);
     scene.sdo("40 02 20 00 00 00 00 00");
     scene.sdo("40 17 10 00 00 00 00 00").sdo("40 00 18 01 00 00 00 00");
@@ -708,28 +718,26 @@ fn communication_parameters_are_saved_and_restored() {
     check(
         &scene,
         expect![[r#"
-        1002   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
-        1004   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
-        1006   ms  23 10 10 01 00 00 00 00 -> 80 10 10 01 20 00 00 08
-        2206   ms  supply back
-        2206   ms  77F#00
-        2208   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
-        2211   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
-        2213   ms  23 02 20 00 07 00 00 00 -> 60 02 20 00 00 00 00 00
-        2215   ms  23 10 10 01 73 61 76 65 -> 60 10 10 01 00 00 00 00
-        3415   ms  supply back
-        3415   ms  2FF#00 00 00 00 00 00 00 10
-        3415   ms  77F#00
-        3415   ms  77F#05
-        3417   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 F4 01 00 00
-        3419   ms  23 11 10 01 6C 6F 61 64 -> 60 11 10 01 00 00 00 00
-        4619   ms  supply back
-        4619   ms  77F#00
-        4621   ms  40 02 20 00 00 00 00 00 -> 43 02 20 00 07 00 00 00
-        4623   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 00 00 00 00
-        4625   ms  40 00 18 01 00 00 00 00 -> 43 00 18 01 FF 01 00 C0
-        4627   ms  40 01 18 05 00 00 00 00 -> 4B 01 18 05 01 00 00 00
-    "#]],
+            1002   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
+            1004   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
+            1006   ms  23 10 10 01 00 00 00 00 -> 80 10 10 01 20 00 00 08
+            2600   ms  supply back
+            2600   ms  77F#00
+            2602   ms  2B 17 10 00 F4 01 00 00 -> 60 17 10 00 00 00 00 00
+            2604   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
+            2606   ms  23 02 20 00 07 00 00 00 -> 60 02 20 00 00 00 00 00
+            4100   ms  supply back
+            4100   ms  2FF#00 00 00 00 00 00 00 10
+            4100   ms  77F#00
+            4100   ms  77F#05
+            4102   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 F4 01 00 00
+            5600   ms  supply back
+            5600   ms  77F#00
+            5602   ms  40 02 20 00 00 00 00 00 -> 43 02 20 00 07 00 00 00
+            5604   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 00 00 00 00
+            5606   ms  40 00 18 01 00 00 00 00 -> 43 00 18 01 FF 01 00 C0
+            5608   ms  40 01 18 05 00 00 00 00 -> 4B 01 18 05 01 00 00 00
+        "#]],
     );
 }
 
