@@ -90,13 +90,12 @@ impl Mapping {
     }
 
     /// The present values, the first object in the first bytes. What a word has more than its field
-    /// is overwritten by the next one.
+    /// is overwritten by the next one; behind the last one, bytes mean nothing.
     pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> [u8; DATA_MAX] {
         let mut bytes: Bytes = [0; _];
         for field in self.fields() {
             put(&mut bytes, field.at % LEN_MAX, values.raw(field.slot));
         }
-        put(&mut bytes, self.len, 0);
         bytes.first_chunk().copied().unwrap_or_default()
     }
 
