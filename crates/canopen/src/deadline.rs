@@ -19,6 +19,12 @@ impl Deadline {
         if time > Duration::ZERO { Self(now + time) } else { Self::NEVER }
     }
 
+    /// One `period` later: in step unless that is over, too.
+    pub(crate) fn next(self, now: Instant, period: Duration) -> Self {
+        let next_at = self.0 + period;
+        Self(if next_at > now { next_at } else { now + period })
+    }
+
     pub(crate) fn is_due(self, now: Instant) -> bool {
         self.0 <= now
     }

@@ -3,7 +3,9 @@ use object_dictionary::{ObjectId, Values};
 use units::{Duration, Instant};
 
 use crate::cob_id::{CobId, NodeId, Service};
+use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
+use crate::parameter::parameter;
 use crate::settings::{AdditionalInformation, Settings};
 
 /// Messages that may wait for the end of the inhibit time.
@@ -12,9 +14,9 @@ const WAITING_MAX: usize = 8;
 /// One step of 0x1015.
 const INHIBIT_UNIT: Duration = Duration::from_micros(100);
 
-const COB_ID: ObjectId = ObjectId { index: 0x1014, sub: 0 };
-const INHIBIT_TIME: ObjectId = ObjectId { index: 0x1015, sub: 0 };
-const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
+const COB_ID: u16 = 0x1014;
+const INHIBIT_TIME: u16 = 0x1015;
+const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
 pub(crate) const HISTORY: u16 = 0x1003;
 
@@ -51,10 +53,7 @@ impl Producer {
 
     /// Takes 0x1014 and 0x1015 over again. A producer that is switched off forgets what waits.
     pub(crate) fn reread<const LEN: usize>(&mut self, now: Instant, values: &Values<LEN>) {
-        let value = |object| {
-            let slot = values.dictionary().find(object).ok()?;
-            Some(values.raw(slot))
-        };
+        let value = |index| parameter(values, index, 0);
         if let Some(raw) = value(COB_ID) {
             self.id = CobId::from_raw(raw).valid();
         }
@@ -79,7 +78,7 @@ impl Producer {
         }
         let [low, high] = error_code.to_le_bytes();
         let [a, b, c, d, e] = manufacturer;
-        let register = values.dictionary().find(ERROR_REGISTER).map_or(0, |slot| values.raw(slot));
+        let register = parameter(values, ERROR_REGISTER, 0).unwrap_or(0);
         let [register, ..] = register.to_le_bytes();
         let data = [low, high, register, a, b, c, d, e];
         let id = self.id?;
@@ -94,13 +93,15 @@ impl Producer {
     }
 
     /// When the next waiting message may go.
-    pub(crate) fn due_at(&self) -> Option<Instant> {
-        (!self.waiting.is_empty()).then_some(self.inhibited_until)
+    pub(crate) fn due_at(&self) -> Deadline {
+        if self.waiting.is_empty() { Deadline::NEVER } else { Deadline::at(self.inhibited_until) }
     }
 
     /// The next waiting message whose time has come.
     pub(crate) fn take_due(&mut self, now: Instant) -> Option<Frame> {
-        self.due_at().filter(|&due_at| due_at <= now)?;
+        if !self.due_at().is_due(now) {
+            return None;
+        }
         let (id, data) = (self.id?, self.waiting.pop_front()?);
         self.inhibited_until = now + self.inhibit_time;
         Some(Frame::full(id, data))

@@ -1,12 +1,13 @@
-use object_dictionary::{ObjectId, Values};
+use object_dictionary::Values;
 use units::{Duration, Instant};
 
 use crate::deadline::Deadline;
+use crate::parameter::parameter;
 
 /// The time between two guarding requests, in milliseconds.
-pub(crate) const GUARD_TIME: ObjectId = ObjectId { index: 0x100C, sub: 0 };
+pub(crate) const GUARD_TIME: u16 = 0x100C;
 /// How many of them make the life time.
-pub(crate) const LIFE_TIME_FACTOR: ObjectId = ObjectId { index: 0x100D, sub: 0 };
+pub(crate) const LIFE_TIME_FACTOR: u16 = 0x100D;
 
 /// The guarded side of node guarding and life guarding (CiA 301, section 7.2.8.2.2; objects 0x100C
 /// and 0x100D).
@@ -47,7 +48,7 @@ pub(crate) enum Request {
 impl Guarded {
     /// `None` when the product has no guard time.
     pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Option<Self> {
-        values.dictionary().find(GUARD_TIME).ok()?;
+        parameter(values, GUARD_TIME, 0)?;
         let mut guarded =
             Self { toggle: Toggle::Clear, life_time: Duration::ZERO, life: Life::Unguarded };
         guarded.reread(values);
@@ -56,8 +57,7 @@ impl Guarded {
 
     /// Takes both objects over again. Life guarding starts anew with the next request.
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let value =
-            |object| values.dictionary().find(object).map_or(0, |slot| u64::from(values.raw(slot)));
+        let value = |index| u64::from(parameter(values, index, 0).unwrap_or(0));
         self.life_time = Duration::from_millis(value(GUARD_TIME)) * value(LIFE_TIME_FACTOR);
         self.stop();
     }

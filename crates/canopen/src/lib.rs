@@ -53,6 +53,7 @@ pub mod lss;
 mod nmt;
 mod node;
 mod outbox;
+mod parameter;
 mod pdo;
 mod sdo;
 mod settings;

@@ -14,6 +14,7 @@ use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
+use crate::parameter::parameter;
 use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Effect, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
@@ -28,9 +29,9 @@ const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + RPDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
-const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
+const HEARTBEAT_TIME: u16 = 0x1017;
 const IDENTITY: u16 = 0x1018;
-const NMT_STARTUP: ObjectId = ObjectId { index: 0x1F80, sub: 0 };
+const NMT_STARTUP: u16 = 0x1F80;
 
 /// Error register: any error, and one of the communication.
 const COMMUNICATION_ERROR: u8 = 1 << 4 | 1;
@@ -164,9 +165,8 @@ impl<const LEN: usize> Node<LEN> {
         settings: &'static Settings,
     ) -> Self {
         let values = Values::new(dictionary, node_id.get());
-        let value = |object| dictionary.find(object).ok().map(|slot| values.raw(slot));
-        let mut heartbeat = heartbeat::Producer::default();
-        heartbeat.set_period_ms(value(HEARTBEAT_TIME).unwrap_or(0));
+        let mut heartbeat = heartbeat::Producer::OFF;
+        heartbeat.set_period_ms(parameter(&values, HEARTBEAT_TIME, 0).unwrap_or(0));
         Self {
             node_id,
             settings,
@@ -207,7 +207,7 @@ impl<const LEN: usize> Node<LEN> {
         self.heartbeat.start(now);
         self.enter(now, State::PreOperational);
         self.listen();
-        if self.value(NMT_STARTUP) & SELF_STARTING != 0 {
+        if parameter(&self.values, NMT_STARTUP, 0).unwrap_or(0) & SELF_STARTING != 0 {
             self.enter(now, State::Operational);
         }
         self.transmit_due(now);
@@ -574,7 +574,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn identity(&self) -> lss::Identity {
-        let part = |sub| self.value(ObjectId { index: IDENTITY, sub });
+        let part = |sub| parameter(&self.values, IDENTITY, sub).unwrap_or(0);
         lss::Identity {
             vendor_id: part(1),
             product_code: part(2),
@@ -674,6 +674,7 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    #[inline(never)]
     fn say(&mut self, emergency: Option<Emergency>) {
         if let Some(Emergency { code, manufacturer }) = emergency {
             self.send_emergency(code, manufacturer);
@@ -691,7 +692,7 @@ impl<const LEN: usize> Node<LEN> {
             }
             Heard::Nothing => {}
         }
-        self.wake_by(self.monitored.due_at().into());
+        self.wake_by(self.monitored.due_at());
     }
 
     /// Each producer that is missing is an event, a message and a reason to act.
@@ -749,8 +750,7 @@ impl<const LEN: usize> Node<LEN> {
             ErrorClass::Communication => (1, TO_PRE_OPERATIONAL),
             ErrorClass::Manufacturer => (2, NO_CHANGE),
         };
-        let behaviour = self.values.dictionary().find(ObjectId { index: 0x1029, sub });
-        match behaviour.map_or(absent, |slot| self.values.raw(slot)) {
+        match parameter(&self.values, 0x1029, sub).unwrap_or(absent) {
             TO_PRE_OPERATIONAL if self.state == State::Operational => {
                 self.enter(now, State::PreOperational);
             }
@@ -773,39 +773,31 @@ impl<const LEN: usize> Node<LEN> {
         if from == to {
             return;
         }
-        match to {
-            State::Operational => self.tpdos.start(now),
-            State::PreOperational => self.stop_pdos(),
-            State::Stopped | State::Initialising => {
-                self.stop_pdos();
-                self.sdo.stop();
-                let error_control = Service::ErrorControl.id(self.node_id);
-                self.outbox.retain(|frame| [error_control, lss::RESPONSE].contains(&frame.id()));
-            }
+        if to == State::Operational {
+            self.tpdos.start(now);
+        } else {
+            self.rpdos.stop();
+            self.tpdos.stop();
+            let error_control = Service::ErrorControl.id(self.node_id);
+            let tpdos = &self.tpdos;
+            self.outbox.retain(|frame| match to {
+                State::PreOperational | State::Operational => !tpdos.send(frame.id()),
+                State::Stopped | State::Initialising => {
+                    [error_control, lss::RESPONSE].contains(&frame.id())
+                }
+            });
+        }
+        if !to.serves_sdo() {
+            self.sdo.stop();
         }
         if let Some(sync) = &mut self.sync {
-            match (from, to) {
-                (
-                    State::Initialising | State::Stopped,
-                    State::PreOperational | State::Operational,
-                ) => {
-                    sync.start(now);
-                }
-                (_, State::Initialising | State::Stopped) => sync.stop(),
-                (
-                    State::PreOperational | State::Operational,
-                    State::PreOperational | State::Operational,
-                ) => {}
+            match (from.serves_sdo(), to.serves_sdo()) {
+                (false, true) => sync.start(now),
+                (true, false) => sync.stop(),
+                (true, true) | (false, false) => {}
             }
         }
         self.report(Event::StateChanged { from, to });
-    }
-
-    fn stop_pdos(&mut self) {
-        self.rpdos.stop();
-        self.tpdos.stop();
-        let tpdos = &self.tpdos;
-        self.outbox.retain(|frame| !tpdos.send(frame.id()));
     }
 
     /// Ends all activity for good.
@@ -954,7 +946,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn emergency_due_at(&self) -> Deadline {
-        self.emergencies.due_at().filter(|_| self.state.serves_sdo()).into()
+        if self.state.serves_sdo() { self.emergencies.due_at() } else { Deadline::NEVER }
     }
 
     /// Something is due at `deadline`.
@@ -969,8 +961,8 @@ impl<const LEN: usize> Node<LEN> {
         let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at);
         self.wake_at = [
             self.sdo.poll_timeout().into(),
-            self.heartbeat.due_at().into(),
-            self.monitored.due_at().into(),
+            self.heartbeat.due_at(),
+            self.monitored.due_at(),
             guarding,
             self.emergency_due_at(),
             sync,
@@ -981,15 +973,12 @@ impl<const LEN: usize> Node<LEN> {
         .fold(Deadline::NEVER, Deadline::min);
     }
 
+    #[inline(never)]
     fn report(&mut self, event: Event) {
         if self.events.is_full() {
             self.events.pop_front();
         }
         let _ = self.events.push_back(event);
         self.has_news = true;
-    }
-
-    fn value(&self, object: ObjectId) -> u32 {
-        self.values.dictionary().find(object).map_or(0, |slot| self.values.raw(slot))
     }
 }

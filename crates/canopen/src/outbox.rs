@@ -31,12 +31,12 @@ enum Overflow {
 
 impl Outbox {
     /// Adds a frame behind those with the same identifier.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn push(&mut self, frame: Frame) {
         if self.frames.is_empty() {
             let _ = self.frames.push(frame);
         } else {
-            self.queue(frame);
+            self.insert(frame, |waiting| urgency(waiting) <= urgency(&frame));
         }
     }
 
@@ -64,15 +64,10 @@ impl Outbox {
     }
 
     #[inline(never)]
-    fn queue(&mut self, frame: Frame) {
-        self.insert(frame, |waiting| urgency(waiting) <= urgency(&frame));
-    }
-
-    #[inline(never)]
     fn replace(&mut self, frame: Frame) {
         match self.frames.iter_mut().find(|waiting| urgency(waiting) == urgency(&frame)) {
             Some(older) => *older = frame,
-            None => self.queue(frame),
+            None => self.push(frame),
         }
     }
 

@@ -4,15 +4,16 @@ use units::{Duration, Instant};
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
+use crate::parameter::parameter;
 use crate::sdo::AbortCode;
 
-pub(crate) const COB_ID: ObjectId = ObjectId { index: 0x1005, sub: 0 };
+pub(crate) const COB_ID: u16 = 0x1005;
 /// The communication cycle period, in microseconds.
-pub(crate) const PERIOD: ObjectId = ObjectId { index: 0x1006, sub: 0 };
+pub(crate) const PERIOD: u16 = 0x1006;
 /// The synchronous window length, in microseconds.
-pub(crate) const WINDOW: ObjectId = ObjectId { index: 0x1007, sub: 0 };
+pub(crate) const WINDOW: u16 = 0x1007;
 /// The synchronous counter overflow value.
-pub(crate) const OVERFLOW: ObjectId = ObjectId { index: 0x1019, sub: 0 };
+pub(crate) const OVERFLOW: u16 = 0x1019;
 
 /// The SYNC consumer and producer (CiA 301, section 7.2.5; objects 0x1005, 0x1006, 0x1007 and
 /// 0x1019).
@@ -69,9 +70,9 @@ pub(crate) enum Received {
 impl Sync {
     /// `None` when the product has no 0x1005.
     pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Option<Self> {
-        let value = |object| Some(values.raw(values.dictionary().find(object).ok()?));
+        let value = |index| parameter(values, index, 0);
         let cob_id = CobId::from_raw(value(COB_ID)?);
-        let microseconds = |object| Duration::from_micros(u64::from(value(object).unwrap_or(0)));
+        let microseconds = |index| Duration::from_micros(u64::from(value(index).unwrap_or(0)));
         let lengths = match value(OVERFLOW).map(u32::to_le_bytes) {
             None => Lengths::NoneOrOne,
             Some([0, ..]) => Lengths::None,
@@ -177,9 +178,10 @@ impl Sync {
 
     /// The SYNC that is to be produced now, and its counter if it has one.
     pub(crate) fn take_due(&mut self, now: Instant) -> Option<(Frame, Option<u8>)> {
-        let due_at = self.due_at.instant().filter(|&due_at| due_at <= now)?;
-        let next_at = due_at + self.period;
-        self.due_at = Deadline::at(if next_at > now { next_at } else { now + self.period });
+        if !self.due_at.is_due(now) {
+            return None;
+        }
+        self.due_at = self.due_at.next(now, self.period);
         match self.lengths {
             Lengths::NoneOrOne | Lengths::None => Some((Frame::empty(self.id), None)),
             Lengths::Counter { overflow } => {
@@ -198,8 +200,8 @@ pub(crate) fn check<const LEN: usize>(
     raw: u32,
 ) -> Result<(), AbortCode> {
     const OVERFLOW_MAX: u32 = 240;
-    let value = |object| Some(values.raw(values.dictionary().find(object).ok()?));
-    match object {
+    let value = |index| parameter(values, index, 0);
+    match object.index {
         COB_ID => {
             let (before, after) =
                 (CobId::from_raw(value(COB_ID).unwrap_or(0)), CobId::from_raw(raw));

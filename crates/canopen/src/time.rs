@@ -1,7 +1,8 @@
-use object_dictionary::{ObjectId, Values};
+use object_dictionary::Values;
 
 use crate::cob_id::CobId;
 use crate::frame::{CanId, Frame};
+use crate::parameter::parameter;
 
 /// The object with the identifier of TIME.
 pub(crate) const COB_ID: u16 = 0x1012;
@@ -18,8 +19,7 @@ pub struct TimeOfDay {
 /// The identifier that a TIME consumer listens to (CiA 301, section 7.2.6; object 0x1012): while bit
 /// 31 is set.
 pub(crate) fn consumed<const LEN: usize>(values: &Values<LEN>) -> Option<CanId> {
-    let slot = values.dictionary().find(ObjectId { index: COB_ID, sub: 0 }).ok()?;
-    CobId::from_raw(values.raw(slot)).consumed()
+    CobId::from_raw(parameter(values, COB_ID, 0)?).consumed()
 }
 
 impl TimeOfDay {

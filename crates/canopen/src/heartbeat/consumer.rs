@@ -2,7 +2,9 @@ use object_dictionary::{ObjectId, Values};
 use units::{Duration, Instant};
 
 use crate::cob_id::{NodeId, Service};
+use crate::deadline::Deadline;
 use crate::frame::CanId;
+use crate::parameter::parameter;
 
 /// Producers that a device can monitor. Further entries of 0x1016 are not acted on.
 pub(crate) const CONSUMERS_MAX: usize = 8;
@@ -21,15 +23,17 @@ pub(crate) struct Consumers {
 
 #[derive(Clone, Copy, Debug)]
 struct Consumer {
+    /// Only while the producer is alive.
+    expires_at: Deadline,
+    time_ms: u16,
     producer: NodeId,
-    time: Duration,
     health: Health,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Health {
     Unknown,
-    Alive { until: Instant },
+    Alive,
     Lost,
 }
 
@@ -54,8 +58,7 @@ impl Consumers {
         let place = usize::from(sub).checked_sub(1);
         let Some(entry) = place.and_then(|place| self.entries.get_mut(place)) else { return false };
         let before = core::mem::replace(entry, consumer(values, sub));
-        let producer = |entry: Option<Consumer>| entry.map(|consumer| consumer.producer);
-        producer(before) != producer(*entry)
+        before.map(|consumer| consumer.producer) != entry.map(|consumer| consumer.producer)
     }
 
     /// The identifiers of the producers.
@@ -65,32 +68,29 @@ impl Consumers {
 
     /// Takes a message with an identifier of the error control.
     pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Heard {
-        let mut heard = Heard::Nothing;
-        for consumer in self.entries.iter_mut().flatten() {
-            if Service::ErrorControl.id(consumer.producer) == id {
-                let before = consumer.health;
-                consumer.health = Health::Alive { until: now + consumer.time };
-                if before == Health::Lost {
-                    heard = Heard::Recovered(consumer.producer);
-                }
-            }
+        let heard = |entry: &&mut Consumer| Service::ErrorControl.id(entry.producer) == id;
+        let Some(consumer) = self.entries.iter_mut().flatten().find(heard) else {
+            return Heard::Nothing;
+        };
+        consumer.expires_at =
+            Deadline::after(now, Duration::from_millis(u64::from(consumer.time_ms)));
+        match core::mem::replace(&mut consumer.health, Health::Alive) {
+            Health::Lost => Heard::Recovered(consumer.producer),
+            Health::Unknown | Health::Alive => Heard::Nothing,
         }
-        heard
     }
 
     /// When the next producer counts as lost.
-    pub(crate) fn due_at(&self) -> Option<Instant> {
-        self.entries.iter().flatten().filter_map(Consumer::due_at).min()
+    pub(crate) fn due_at(&self) -> Deadline {
+        let expiries = self.entries.iter().flatten().map(|consumer| consumer.expires_at);
+        expiries.fold(Deadline::NEVER, Deadline::min)
     }
 
     /// A producer that is lost from now on.
     pub(crate) fn take_due(&mut self, now: Instant) -> Option<NodeId> {
-        let consumer = self
-            .entries
-            .iter_mut()
-            .flatten()
-            .find(|consumer| consumer.due_at().is_some_and(|due_at| due_at <= now))?;
-        consumer.health = Health::Lost;
+        let mut consumers = self.entries.iter_mut().flatten();
+        let consumer = consumers.find(|consumer| consumer.expires_at.is_due(now))?;
+        (consumer.expires_at, consumer.health) = (Deadline::NEVER, Health::Lost);
         Some(consumer.producer)
     }
 
@@ -102,16 +102,7 @@ impl Consumers {
     /// Monitors nothing until the next messages.
     pub(crate) fn stop(&mut self) {
         for consumer in self.entries.iter_mut().flatten() {
-            consumer.health = Health::Unknown;
-        }
-    }
-}
-
-impl Consumer {
-    fn due_at(&self) -> Option<Instant> {
-        match self.health {
-            Health::Alive { until } => Some(until),
-            Health::Unknown | Health::Lost => None,
+            (consumer.expires_at, consumer.health) = (Deadline::NEVER, Health::Unknown);
         }
     }
 }
@@ -126,22 +117,21 @@ pub(crate) fn is_doubled<const LEN: usize>(
     let others = (1..=u8::MAX).filter(|&sub| sub != object.sub);
     object.index == CONSUMER_TIME
         && others
-            .map_while(|sub| values.dictionary().find(ObjectId { index: CONSUMER_TIME, sub }).ok())
-            .any(|slot| monitored(values.raw(slot)).is_some_and(|(other, _)| other == producer))
+            .map_while(|sub| parameter(values, CONSUMER_TIME, sub))
+            .any(|raw| monitored(raw).is_some_and(|(other, _)| other == producer))
 }
 
 fn consumer<const LEN: usize>(values: &Values<LEN>, sub: u8) -> Option<Consumer> {
-    let slot = values.dictionary().find(ObjectId { index: CONSUMER_TIME, sub }).ok()?;
-    let (producer, time) = monitored(values.raw(slot))?;
-    Some(Consumer { producer, time, health: Health::Unknown })
+    let (producer, time_ms) = monitored(parameter(values, CONSUMER_TIME, sub)?)?;
+    Some(Consumer { expires_at: Deadline::NEVER, time_ms, producer, health: Health::Unknown })
 }
 
-/// Node-ID and time of an entry. `None` for an entry that is not used.
-fn monitored(raw: u32) -> Option<(NodeId, Duration)> {
+/// Node-ID and milliseconds of an entry. `None` for an entry that is not used.
+fn monitored(raw: u32) -> Option<(NodeId, u16)> {
     let [low, high, node_id, _] = raw.to_le_bytes();
-    let time = Duration::from_millis(u64::from(u16::from_le_bytes([low, high])));
+    let time_ms = u16::from_le_bytes([low, high]);
     let producer = NodeId::new(node_id)?;
-    (time > Duration::ZERO).then_some((producer, time))
+    (time_ms > 0).then_some((producer, time_ms))
 }
 
 #[cfg(test)]
@@ -151,7 +141,7 @@ mod tests {
     /// NM17x HB-02.
     #[test]
     fn an_entry_without_node_id_or_time_is_not_used() {
-        let used = |raw| monitored(raw).map(|(producer, time)| (producer.get(), time.as_millis()));
+        let used = |raw| monitored(raw).map(|(producer, time_ms)| (producer.get(), time_ms));
         for (raw, expected) in [
             (0x0001_0064, Some((1, 100))),
             (0x007F_FFFF, Some((127, 65_535))),
