@@ -217,6 +217,12 @@ impl BxCan {
         self.asserted
     }
 
+    /// Whether the software takes part in the bus.
+    #[must_use]
+    pub const fn is_on_the_bus(&self) -> bool {
+        self.is_normal()
+    }
+
     /// From the interrupt of the last received frame to the first request for a transmission behind
     /// it.
     #[must_use]

@@ -379,7 +379,7 @@ impl Driver<CircuitBoard> for Pilot {
         match settled {
             Settled::Access { access, .. } => self.watch_access(session, access),
             Settled::Stop(stop) => self.watch_restarts(session, stop.at.0),
-            Settled::Hit(hit) => self.follow_masking(hit),
+            Settled::Hit(hit) => self.follow_masking(session, hit),
             _ => {}
         }
     }
@@ -434,8 +434,9 @@ impl Pilot {
     }
 
     /// The core has come to an instruction that masks interrupts, or to one that puts back what was
-    /// before. They come in pairs, which may lie in one another.
-    fn follow_masking(&mut self, hit: Hit) {
+    /// before. They come in pairs, which may lie in one another. What counts is the time on the bus:
+    /// before that there is nothing to be late for.
+    fn follow_masking(&mut self, session: &Run, hit: Hit) {
         let masking = &mut self.masking;
         match self.firmware.masking_at(hit.address) {
             Some(MaskingInstruction::Mask) => {
@@ -446,7 +447,7 @@ impl Pilot {
             }
             Some(MaskingInstruction::Restore) => {
                 masking.depth = masking.depth.saturating_sub(1);
-                if masking.depth == 0 {
+                if masking.depth == 0 && session.board().part.can().is_on_the_bus() {
                     masking.longest_ns = masking.longest_ns.max(hit.at.0 - masking.since_ns);
                 }
             }

@@ -63,8 +63,8 @@ pub struct McuStats {
     /// The longest that a received CAN frame waited for the firmware to look at its FIFO (STM of the
     /// engine that runs the images), in nanoseconds.
     pub can_wait_ns: u64,
-    /// The longest that all interrupts were masked (the engine that runs the images), in
-    /// nanoseconds.
+    /// The longest that all interrupts were masked on the bus (STM of the engine that runs the
+    /// images), in nanoseconds.
     pub masked_ns: u64,
 }
 

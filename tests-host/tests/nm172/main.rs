@@ -40,3 +40,51 @@ fn the_supply_fails_while_a_parameter_is_written() {
     }
     assert_eq!(seen.len(), 2, "cuts before and behind the decisive word: {seen:?}");
 }
+
+/// The controller reports a frame four bits before the bus is free: at 1 Mbit/s a transmission that
+/// is requested within 640 cycles leaves no gap. Nothing keeps it from a frame for longer than 50 µs,
+/// of the 141 µs in which a FIFO may fill.
+#[test]
+fn answers_leave_without_a_gap() {
+    let mut scene = booted_at_1_mbit_s();
+    let mut reactions = Vec::new();
+    for request in ["40 00 10 00 00 00 00 00", "40 4E 20 01 00 00 00 00", "40 FF 5F 00 00 00 00 00"]
+    {
+        reactions.push((request, reaction(&mut scene, |scene| drop(scene.request(request)))));
+    }
+    scene.request("2F 01 18 02 01 00 00 00");
+    scene.send("000#01 7F").run_ms(100).frames();
+    let sync = reaction(&mut scene, |scene| {
+        assert_eq!(scene.send("080#").run_ms(3).frames(), ["2FF#00 00 00 00 00 00 00 10"]);
+    });
+    reactions.push(("SYNC", sync));
+    assert!(reactions.iter().all(|(_, cycles)| *cycles <= 640), "{reactions:?}");
+    let blocked = ["can_wait_ns", "masked_ns"].map(|figure| (figure, cycles(&mut scene, figure)));
+    assert!(blocked.iter().all(|(_, cycles)| *cycles <= 50 * CYCLES_PER_US), "{blocked:?}");
+}
+
+fn booted_at_1_mbit_s() -> Scene {
+    let mut scene = Scene::booted("nm172", &[]);
+    scene.request("2F 00 21 00 08 00 00 00");
+    scene.run_ms(500).tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).run_ms(1_000).frames();
+    scene
+}
+
+/// Cycles from the interrupt of a frame to the transmit request of its answer, when no message of
+/// the link comes at the same time: such a message is there in one of three phases at most.
+fn reaction(scene: &mut Scene, ask: impl Fn(&mut Scene)) -> u64 {
+    let asked = [0, 3, 3].map(|later_ms| {
+        ask(scene.run_ms(later_ms));
+        cycles(scene, "can_reaction_ns")
+    });
+    asked.into_iter().min().unwrap_or(u64::MAX)
+}
+
+const CYCLES_PER_US: u64 = 160;
+
+/// A time among the figures of the CAN interface controller.
+fn cycles(scene: &mut Scene, figure: &str) -> u64 {
+    let stats = scene.bench.tell("stats", json!({}));
+    stats["stm"][figure].as_u64().expect("a time in nanoseconds") * CYCLES_PER_US / 1_000
+}
