@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::json;
+use serde_json::{Value, json};
 use tests_host::Scene;
 
 mod scenarios;
@@ -86,5 +86,6 @@ const CYCLES_PER_US: u64 = 160;
 /// A time among the figures of the CAN interface controller.
 fn cycles(scene: &mut Scene, figure: &str) -> u64 {
     let stats = scene.bench.tell("stats", json!({}));
-    stats["stm"][figure].as_u64().expect("a time in nanoseconds") * CYCLES_PER_US / 1_000
+    let ns = stats.pointer(&format!("/stm/{figure}")).and_then(Value::as_u64);
+    ns.expect("a time in nanoseconds") * CYCLES_PER_US / 1_000
 }
