@@ -20,21 +20,27 @@
 //! | PDO | transmit: types 0 to 240, 252 to 255; remote frames, inhibit time, event timer, SYNC start value |
 //! | | receive: types 0 to 240, 254, 255; deadline |
 //! | | mapping: fixed, or changed by masters where the rows may be written; whole bytes, dummy entries |
-//! | SYNC | consumer |
+//! | SYNC | consumer and producer (0x1006) with counter (0x1019) and window (0x1007) |
+//! | TIME | consumer (0x1012): an event |
 //! | EMCY | identifier (0x1014), inhibit time, error field (0x1003), error reset with the error register |
+//! | bus | warning, passive, bus-off, recovery and lost frames are inputs; [`Settings::bus`] says what is sent |
 //! | LSS (CiA 305) | all services, where [`Settings::lss`] asks for it |
 //!
 //! **Concurrency.** A node is one value with `&mut` methods and no interior sharing: run it where
 //! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
 //!
 //! **Work.** One frame costs one look into the dictionary (a binary search) and at most one pass
-//! over the PDOs. There is no tick: between the instants of [`Node::poll_timeout`] nothing
-//! is due. Frames for others cost a few comparisons, and none at all where the controller filters by
-//! [`Node::accepts`].
+//! over the PDOs. There is no tick: nothing is due before [`Node::poll_timeout`], which looks
+//! nothing up, and now and then wakes for nothing. A frame for another node costs a look at one bit,
+//! and nothing at all where the controller filters by [`Node::accepts`].
 //!
-//! **Memory.** All bounds are constants: [`TRANSMIT_MAX`] frames wait for mailboxes, and what does
-//! not fit is counted and reported. PDOs and heartbeats that wait are replaced by newer ones, so only
-//! clients that do not wait for their answers, and emergencies in great number, can fill it.
+//! **Memory.** A node has no memory but its own, and all bounds are constants: [`TRANSMIT_MAX`]
+//! frames wait for mailboxes, and the least urgent of too many is dropped, counted and reported.
+//! PDOs and heartbeats that wait are replaced by newer ones, and an emergency takes the place of one
+//! that says the same, so only clients that do not wait for their answers, and different emergencies
+//! in great number, can fill it. Eight emergencies wait for the end of the inhibit time, and sixteen
+//! events for [`Node::poll_event`], which is more than one call brings about; the oldest of too many
+//! is dropped.
 //!
 //! **Bad input.** Every frame is defined input. One that is no request for this node changes
 //! nothing; one that is has exactly one answer, the segments of a block excepted.

@@ -266,7 +266,7 @@ impl<const LEN: usize> Node<LEN> {
     #[inline]
     pub fn take_transmit(&mut self) -> Option<Frame> {
         let frame = self.outbox.take()?;
-        if frame.id() == Service::SdoResponse.id(self.node_id) {
+        if self.sdo.is_sending_block() {
             self.send_segment();
         }
         Some(frame)
@@ -517,15 +517,14 @@ impl<const LEN: usize> Node<LEN> {
         if !self.state.serves_sdo() {
             return;
         }
-        let waited = self.sdo.poll_timeout().is_some();
+        let waited = self.sdo.is_waiting();
         let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
         let answer = self.sdo.handle(now, frame, &mut objects);
         let effect = objects.effect();
         self.answer(answer);
-        self.send_segment();
-        match self.sdo.poll_timeout() {
-            None if waited => self.schedule(),
-            expires_at => self.wake_by(expires_at.into()),
+        if waited || self.sdo.is_waiting() {
+            self.send_segment();
+            self.schedule();
         }
         match effect {
             Effect::None => {}
@@ -552,6 +551,7 @@ impl<const LEN: usize> Node<LEN> {
 
     /// One segment of a block waits for a mailbox at a time: a block may have more of them than
     /// frames can wait.
+    #[inline(never)]
     fn send_segment(&mut self) {
         let id = Service::SdoResponse.id(self.node_id);
         if self.sdo.is_sending_block()

@@ -129,9 +129,10 @@ impl Sync {
 
     /// Takes a data frame with its identifier.
     pub(crate) fn receive(&mut self, frame: &Frame) -> Received {
-        let counter = match (self.lengths, frame.data()) {
-            (Lengths::NoneOrOne | Lengths::None, []) | (Lengths::NoneOrOne, [_]) => None,
-            (Lengths::Counter { .. }, &[counter]) => Some(counter),
+        let [counter, ..] = frame.padded();
+        let counter = match (self.lengths, frame.dlc()) {
+            (Lengths::NoneOrOne | Lengths::None, 0) | (Lengths::NoneOrOne, 1) => None,
+            (Lengths::Counter { .. }, 1) => Some(counter),
             (Lengths::NoneOrOne | Lengths::None | Lengths::Counter { .. }, _) => {
                 return match core::mem::replace(&mut self.length, Length::Unexpected) {
                     Length::Expected => Received::UnexpectedLength,

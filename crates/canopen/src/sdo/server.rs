@@ -182,6 +182,12 @@ impl Server {
         Some(abort(expired.entry, code))
     }
 
+    /// Whether a transfer is in progress.
+    #[inline]
+    pub(crate) const fn is_waiting(&self) -> bool {
+        self.transfer.is_some()
+    }
+
     /// When the transfer in progress is given up.
     pub(crate) fn poll_timeout(&self) -> Option<Instant> {
         self.transfer.as_ref().map(|transfer| transfer.expires_at)
