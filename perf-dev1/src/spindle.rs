@@ -1,24 +1,38 @@
 //! DEV1 on the stack of this repository.
 
-use canopen::{CanId, Event, Frame, Node, lss};
+use canopen::{Application, CanId, Event, Frame, Node, WriteError, lss};
 use dev1::{DICTIONARY, Device, LEN};
-use object_dictionary::{ObjectId, Slot};
+use object_dictionary::{ObjectId, Row, Slot};
 use units::Instant;
 
 use crate::{Bus, Memory, Stack, input_8, input_32};
 
 /// The stack of this repository.
 #[derive(Debug)]
-pub struct Spindle {
+pub struct Spindle<D = Device> {
     node: Node<LEN>,
-    device: Device,
+    device: D,
 }
 
-impl Stack for Spindle {
+/// A device that does not serve block transfer.
+#[derive(Debug, Default)]
+pub struct WithoutBlocks(Device);
+
+impl Application for WithoutBlocks {
+    fn text(&self, slot: Slot, row: &Row) -> Option<&[u8]> {
+        self.0.text(slot, row)
+    }
+
+    fn write_text(&mut self, slot: Slot, row: &Row, text: &[u8]) -> Result<(), WriteError> {
+        self.0.write_text(slot, row, text)
+    }
+}
+
+impl<D: Application + Default> Stack for Spindle<D> {
     type Frame = Frame;
 
     fn new() -> Self {
-        let mut stack = Self { node: dev1::node(), device: Device::new() };
+        let mut stack = Self { node: dev1::node(), device: D::default() };
         stack.start(Instant::ZERO);
         stack.drain(Instant::ZERO, &Memory::default());
         stack
@@ -58,7 +72,7 @@ impl Stack for Spindle {
     }
 }
 
-impl Spindle {
+impl<D: Application + Default> Spindle<D> {
     fn start(&mut self, now: Instant) {
         for sub in 1..=4 {
             self.node.set_value(now, slot(0x6000, sub), input_32(sub));
@@ -87,6 +101,9 @@ impl Spindle {
             Event::ResetNode | Event::ResetCommunication => {
                 self.node = dev1::node();
                 self.start(now);
+            }
+            Event::Store { .. } | Event::Restore { .. } => {
+                self.node.handle_stored(Err(WriteError::NotStored));
             }
             Event::Lss(lss::Event::Store { .. }) => {
                 self.node.handle_lss_stored(Err(lss::StoreError::NotSupported));

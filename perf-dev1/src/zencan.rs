@@ -24,6 +24,22 @@ mod generated {
     zencan_node::include_modules!(DEV1);
 }
 
+/// On the host there is one thread and no interrupt, as in a program without an operating system:
+/// nothing has to be kept out.
+#[cfg(not(target_os = "none"))]
+#[expect(unsafe_code, reason = "the programs of this package have one thread")]
+mod one_thread {
+    struct OneThread;
+
+    critical_section::set_impl!(OneThread);
+
+    unsafe impl critical_section::Impl for OneThread {
+        unsafe fn acquire() {}
+
+        unsafe fn release((): critical_section::RawRestoreState) {}
+    }
+}
+
 /// The stack zencan-node.
 #[expect(missing_debug_implementations, reason = "its node has none")]
 pub struct Zencan {

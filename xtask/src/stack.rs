@@ -125,10 +125,12 @@ pub(crate) fn footprint() -> Result<(), Failure> {
     println!("| DEV1 on | flash (text + data) | RAM (data + bss) |");
     println!("|---|---:|---:|");
     println!("| CANopenNode v4 | {} | {} |", CANOPENNODE_FOOTPRINT.0, CANOPENNODE_FOOTPRINT.1);
-    for stack in PEERS.iter().chain([&SPINDLE]) {
-        let image = run::target_dir().join(TARGET).join("footprint").join(stack.linked);
+    let without_blocks = ("Spindle without block transfer", "footprint-spindle-without-blocks");
+    let linked = PEERS.iter().chain([&SPINDLE]).map(|stack| (stack.name, stack.linked));
+    for (name, program) in linked.chain([without_blocks]) {
+        let image = run::target_dir().join(TARGET).join("footprint").join(program);
         let (flash, ram) = size::flash_and_ram(&image)?;
-        println!("| {} | {flash} | {ram} |", stack.name);
+        println!("| {name} | {flash} | {ram} |");
     }
     println!("| at most | {} | {} |", FOOTPRINT_BAR.0, FOOTPRINT_BAR.1);
     Ok(())
@@ -138,9 +140,9 @@ fn numbers(counts: &[Count]) -> Vec<String> {
     counts.iter().map(|count| shown(count.instructions)).collect()
 }
 
-/// No instructions: the stack does not have the operation.
+/// Nothing but a return: the stack does not have the operation.
 fn shown(instructions: u64) -> String {
-    if instructions == 0 { "–".to_owned() } else { instructions.to_string() }
+    if instructions <= 1 { "–".to_owned() } else { instructions.to_string() }
 }
 
 fn print_table(
