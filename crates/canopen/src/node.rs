@@ -8,7 +8,7 @@ use crate::bus::BusState;
 use crate::cob_id::{self, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::emcy;
-use crate::frame::{CanId, DATA_MAX, Frame};
+use crate::frame::{CanId, Frame};
 use crate::guarding::{self, Guarded};
 use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
@@ -16,7 +16,7 @@ use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::parameter::parameter;
 use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
-use crate::sdo::{self, Effect, Objects};
+use crate::sdo::{self, Effect, Message, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
 use crate::sync::{self, Sync};
 use crate::time::{self, TimeOfDay};
@@ -530,16 +530,19 @@ impl<const LEN: usize> Node<LEN> {
             Effect::None => {}
             Effect::Changed(slot) => {
                 self.note_change(now, slot);
-                self.handle_timeout(now, application);
+                if self.wake_at.is_due(now) {
+                    self.handle_timeout(now, application);
+                }
             }
             Effect::Store { sub } => self.report(Event::Store { sub }),
             Effect::Restore { sub } => self.report(Event::Restore { sub }),
         }
     }
 
-    fn answer(&mut self, answer: Option<[u8; DATA_MAX]>) {
+    fn answer(&mut self, answer: Option<Message>) {
         if let Some(answer) = answer {
-            self.outbox.push(Frame::full(Service::SdoResponse.id(self.node_id), answer));
+            let id = Service::SdoResponse.id(self.node_id);
+            self.outbox.push(Frame::full(id, answer.to_bytes()));
         }
     }
 
@@ -558,7 +561,7 @@ impl<const LEN: usize> Node<LEN> {
             && !self.outbox.holds(id)
             && let Some(segment) = self.sdo.next_segment()
         {
-            self.outbox.push(Frame::full(id, segment));
+            self.outbox.push(Frame::full(id, segment.to_bytes()));
         }
     }
 
@@ -850,8 +853,10 @@ impl<const LEN: usize> Node<LEN> {
     /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
     /// PDOs.
     fn note_change(&mut self, now: Instant, slot: Slot) {
-        self.tpdos.note_change(slot);
-        self.wake_by(self.tpdos.due_at());
+        if self.tpdos.may_follow(slot) {
+            self.tpdos.note_change(slot);
+            self.wake_by(self.tpdos.due_at());
+        }
         match self.values.dictionary().row(slot) {
             Some(row) if row.id.index < 0x2000 => self.follow_parameter(now, row.id, slot),
             Some(_) | None => {}

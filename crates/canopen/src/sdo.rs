@@ -5,5 +5,6 @@ mod objects;
 mod server;
 
 pub use abort::AbortCode;
+pub(crate) use message::Message;
 pub(crate) use objects::{Effect, Objects};
 pub(crate) use server::Server;

@@ -86,6 +86,12 @@ impl Tpdos {
         }
     }
 
+    /// Whether a change at this slot may be an event.
+    #[inline]
+    pub(crate) fn may_follow(&self, slot: Slot) -> bool {
+        self.may_watch(Span::of(slot))
+    }
+
     /// Whether a change of one of these slots may be an event.
     pub(super) fn may_watch(&self, span: Span) -> bool {
         self.watched.meets(span)

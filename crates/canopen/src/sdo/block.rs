@@ -1,7 +1,7 @@
 use heapless::Vec;
 
 use super::abort::AbortCode;
-use super::message::{SEGMENT_LEN, segment};
+use super::message::{Message, SEGMENT_LEN, segment};
 use super::objects::VALUE_MAX;
 use crate::frame::DATA_MAX;
 
@@ -85,7 +85,7 @@ impl Download {
         [command, data @ ..]: [u8; DATA_MAX],
         value: &mut Vec<u8, VALUE_MAX>,
         len: usize,
-    ) -> Result<Option<[u8; DATA_MAX]>, TooLong> {
+    ) -> Result<Option<Message>, TooLong> {
         let (number, last) = (command & !LAST, command & LAST != 0);
         if number == self.in_order + 1 {
             let fits = value.len() < len.max(1);
@@ -158,7 +158,7 @@ impl Upload {
     }
 
     /// The next segment of the block; `None` when the client has to say something.
-    pub(super) fn next_segment(&mut self, value: &[u8]) -> Option<[u8; DATA_MAX]> {
+    pub(super) fn next_segment(&mut self, value: &[u8]) -> Option<Message> {
         let rest = value.get(self.next_from(value)?..)?;
         let last = if rest.len() <= SEGMENT_LEN { LAST } else { 0 };
         self.sent += 1;
@@ -172,7 +172,7 @@ impl Upload {
         value: &[u8],
         number: u8,
         block_len: u8,
-    ) -> Result<Option<[u8; DATA_MAX]>, AbortCode> {
+    ) -> Result<Option<Message>, AbortCode> {
         if self.phase != Phase::Sending {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }

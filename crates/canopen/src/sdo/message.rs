@@ -8,20 +8,19 @@ pub(super) const SEGMENT_LEN: usize = 7;
 /// An SDO message that names an object, in two words: command, index and sub-index; data (CiA 301,
 /// section 7.2.4.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Message {
+pub(crate) struct Message {
     head: u32,
     data: u32,
 }
 
 impl Message {
-    pub(super) const fn from_bytes([command, i, j, k, a, b, c, d]: [u8; DATA_MAX]) -> Self {
-        let head = u32::from_le_bytes([command, i, j, k]);
-        Self { head, data: u32::from_le_bytes([a, b, c, d]) }
+    pub(super) const fn from_bytes(bytes: [u8; DATA_MAX]) -> Self {
+        let word = u64::from_le_bytes(bytes);
+        Self { head: low(word), data: low(word >> 32) }
     }
 
-    pub(super) const fn to_bytes(self) -> [u8; DATA_MAX] {
-        let ([command, i, j, k], [a, b, c, d]) = (self.head.to_le_bytes(), self.data.to_le_bytes());
-        [command, i, j, k, a, b, c, d]
+    pub(crate) const fn to_bytes(self) -> [u8; DATA_MAX] {
+        (self.head as u64 | (self.data as u64) << 32).to_le_bytes()
     }
 
     /// A message about an object.
@@ -41,7 +40,8 @@ impl Message {
     }
 
     pub(super) const fn object(self) -> ObjectId {
-        let [_, low, high, sub] = self.head.to_le_bytes();
+        let [sub, ..] = (self.head >> 24).to_le_bytes();
+        let [low, high, ..] = (self.head >> 8).to_le_bytes();
         ObjectId { index: u16::from_le_bytes([low, high]), sub }
     }
 
@@ -51,12 +51,17 @@ impl Message {
 }
 
 /// A command byte and the first bytes of what is left of a value, filled with zeros.
-pub(super) fn segment(command: u8, rest: &[u8]) -> [u8; DATA_MAX] {
+pub(super) fn segment(command: u8, rest: &[u8]) -> Message {
     let mut bytes = [0; DATA_MAX];
     let [first, data @ ..] = &mut bytes;
     *first = command;
     for (place, &byte) in data.iter_mut().zip(rest) {
         *place = byte;
     }
-    bytes
+    Message::from_bytes(bytes)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the lower half is what is asked for")]
+const fn low(word: u64) -> u32 {
+    word as u32
 }

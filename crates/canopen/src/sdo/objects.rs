@@ -203,6 +203,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// Writes the number that the low bytes of `raw` are after the remaining checks.
+    #[inline]
     pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<Effect, AbortCode> {
         let Entry { slot, row } = entry;
         let codes = &self.settings.abort_codes;

@@ -77,7 +77,7 @@ enum Step {
     BlockDownload(block::Download),
     /// The storage has done what this is the answer to.
     Storage {
-        answer: [u8; DATA_MAX],
+        answer: Message,
     },
 }
 
@@ -90,7 +90,7 @@ enum Storage {
 }
 
 /// What is answered; `None` when the client is to say more first, or the server sends segments.
-type Answer = Result<Option<[u8; DATA_MAX]>, AbortCode>;
+type Answer = Result<Option<Message>, AbortCode>;
 
 impl Server {
     /// Serves a request.
@@ -99,53 +99,68 @@ impl Server {
         now: Instant,
         frame: &Frame,
         objects: &mut Objects<'_, A, LEN>,
-    ) -> Option<[u8; DATA_MAX]> {
+    ) -> Option<Message> {
+        let request = Message::from_bytes(frame.padded());
+        let room = frame.dlc().checked_sub(HEAD_LEN)?;
+        let answer = match request.command() {
+            _ if self.expects_block_segment() => return self.handle_segmented(now, frame, objects),
+            UPLOAD => self.upload(now, request, objects),
+            0x22 | 0x23 | 0x27 | 0x2B | 0x2F => {
+                self.download_expedited(now, request, room, objects)
+            }
+            _ => return self.handle_segmented(now, frame, objects),
+        };
+        answer.unwrap_or_else(|code| Some(self.fail(request, code)))
+    }
+
+    /// Serves what belongs to transfers of several messages, and what is unknown.
+    #[inline(never)]
+    fn handle_segmented<A: Application, const LEN: usize>(
+        &mut self,
+        now: Instant,
+        frame: &Frame,
+        objects: &mut Objects<'_, A, LEN>,
+    ) -> Option<Message> {
         let (bytes, len) = (frame.padded(), frame.dlc());
         let [command, ..] = bytes;
-        let room = len.checked_sub(HEAD_LEN)?;
         let in_block = self.expects_block_segment();
         if in_block && len < 8 {
             return None;
         }
-        let answer = if in_block && command != ABORT {
-            self.block_segment(now, bytes, objects)
-        } else {
-            match command {
-                UPLOAD => self.upload(now, Message::from_bytes(bytes), objects),
-                0x22 | 0x23 | 0x27 | 0x2B | 0x2F => {
-                    self.download_expedited(now, bytes, room, objects)
-                }
-                0x20 | 0x21 if objects.settings().expedited != Expedited::FourOnly => {
-                    if command & SIZE_INDICATED != 0 && room < 4 {
-                        return None;
-                    }
-                    self.download(now, Message::from_bytes(bytes), objects)
-                }
-                0x60 | 0x70 => self.upload_segment(now, command),
-                0x00..=0x1F => {
-                    let (_, data) = frame.data().split_first()?;
-                    let data = data.get(..SEGMENT_LEN - usize::from(command >> 1 & 7))?;
-                    self.download_segment(now, command, data, objects)
-                }
-                ABORT => {
-                    self.transfer = None;
+        let answer = match command {
+            ABORT => {
+                self.transfer = None;
+                return None;
+            }
+            _ if in_block => self.block_segment(now, bytes, objects),
+            0x20 | 0x21 if objects.settings().expedited != Expedited::FourOnly => {
+                if command & SIZE_INDICATED != 0 && len < 8 {
                     return None;
                 }
-                0xA0..=0xDF if len == 8 && A::BLOCK_TRANSFER == BlockTransfer::Served => {
-                    self.block(now, bytes, objects)
-                }
-                _ => {
-                    self.transfer = None;
-                    Err(AbortCode::UNKNOWN_COMMAND)
-                }
+                self.download(now, Message::from_bytes(bytes), objects)
+            }
+            0x60 | 0x70 => self.upload_segment(now, command),
+            0x00..=0x1F => {
+                let (_, data) = frame.data().split_first()?;
+                let data = data.get(..SEGMENT_LEN - usize::from(command >> 1 & 7))?;
+                self.download_segment(now, command, data, objects)
+            }
+            0xA0..=0xDF if len == 8 && A::BLOCK_TRANSFER == BlockTransfer::Served => {
+                self.block(now, bytes, objects)
+            }
+            _ => {
+                self.transfer = None;
+                Err(AbortCode::UNKNOWN_COMMAND)
             }
         };
-        answer.unwrap_or_else(|code| {
-            let request = Message::from_bytes(bytes);
-            let object = self.object().unwrap_or(request.object());
-            self.transfer = None;
-            Some(Message::new(ABORT, object, code.get()).to_bytes())
-        })
+        answer.unwrap_or_else(|code| Some(self.fail(Message::from_bytes(bytes), code)))
+    }
+
+    /// Ends the transfer in progress, or refuses to begin one.
+    fn fail(&mut self, request: Message, code: AbortCode) -> Message {
+        let object = self.object().unwrap_or(request.object());
+        self.transfer = None;
+        Message::new(ABORT, object, code.get())
     }
 
     /// The storage is done with what [`Effect::Store`] or [`Effect::Restore`] asked for.
@@ -153,7 +168,7 @@ impl Server {
         &mut self,
         outcome: Result<(), WriteError>,
         settings: &Settings,
-    ) -> Option<[u8; DATA_MAX]> {
+    ) -> Option<Message> {
         self.storage = Storage::Idle;
         let Some(Transfer { step: Step::Storage { answer }, entry, .. }) = self.transfer else {
             return None;
@@ -166,11 +181,7 @@ impl Server {
     }
 
     /// Gives a transfer up that waited too long.
-    pub(crate) fn handle_timeout(
-        &mut self,
-        now: Instant,
-        settings: &Settings,
-    ) -> Option<[u8; DATA_MAX]> {
+    pub(crate) fn handle_timeout(&mut self, now: Instant, settings: &Settings) -> Option<Message> {
         let expired = self.transfer.take_if(|transfer| transfer.expires_at <= now)?;
         let code = match expired.step {
             Step::Storage { .. } => settings.abort_codes.not_stored,
@@ -204,7 +215,7 @@ impl Server {
     }
 
     /// The next segment of a block on its way to the client, as soon as there is room for it.
-    pub(crate) fn next_segment(&mut self) -> Option<[u8; DATA_MAX]> {
+    pub(crate) fn next_segment(&mut self) -> Option<Message> {
         match &mut self.transfer {
             Some(Transfer { step: Step::BlockUpload(upload), .. }) => {
                 upload.next_segment(&self.value)
@@ -253,14 +264,14 @@ impl Server {
                 request.answer(command, number & mask)
             }
         };
-        Ok(Some(answer.to_bytes()))
+        Ok(Some(answer))
     }
 
     /// The loaded value, or that it follows in segments.
-    fn offer(&mut self, now: Instant, entry: Entry, expedited: Expedited) -> [u8; DATA_MAX] {
+    fn offer(&mut self, now: Instant, entry: Entry, expedited: Expedited) -> Message {
         let size = self.size();
-        let answer = if (1..=4).contains(&size) {
-            let [_, a, b, c, d, ..] = segment(0, &self.value);
+        if (1..=4).contains(&size) {
+            let [_, a, b, c, d, ..] = segment(0, &self.value).to_bytes();
             let [len, ..] = size.to_le_bytes();
             let told = match expedited {
                 Expedited::FourOnly => 0,
@@ -273,8 +284,7 @@ impl Server {
         } else {
             self.begin(now, entry, Step::Upload { toggle: 0, sent: 0 });
             Message::new(UPLOAD_ANSWER | SIZE_INDICATED, entry.row.id, size)
-        };
-        answer.to_bytes()
+        }
     }
 
     fn upload_segment(&mut self, now: Instant, command: u8) -> Answer {
@@ -303,12 +313,11 @@ impl Server {
     fn download_expedited<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        bytes: [u8; DATA_MAX],
+        request: Message,
         room: u8,
         objects: &mut Objects<'_, A, LEN>,
     ) -> Answer {
-        let request = Message::from_bytes(bytes);
-        let [command, _, _, _, data @ ..] = bytes;
+        let command = request.command();
         let indicated = (command & SIZE_INDICATED != 0).then_some(4 - (command >> 2 & 3));
         if indicated.is_some_and(|indicated| room < indicated) {
             return Ok(None);
@@ -321,17 +330,17 @@ impl Server {
         let entry = objects.writable(request.object())?;
         let len = entry.row.data_type.len();
         if indicated.map(usize::from) != Some(len) || expedited == Expedited::FourOnly {
-            if indicated.is_none() && usize::from(room) < len && len <= data.len() {
+            if indicated.is_none() && usize::from(room) < len && len <= 4 {
                 return Ok(None);
             }
             objects.check_other_len(entry.row, indicated, request.data())?;
         }
         let effect = if entry.row.data_type.is_text() {
-            objects.write_text(entry, data.get(..len).unwrap_or(&[]))?
+            objects.write_text(entry, request.data().to_le_bytes().get(..len).unwrap_or(&[]))?
         } else {
             objects.write_number(entry, request.data())?
         };
-        self.finish(now, entry, effect, request.answer(DOWNLOAD_ANSWER, 0).to_bytes(), objects)
+        self.finish(now, entry, effect, request.answer(DOWNLOAD_ANSWER, 0), objects)
     }
 
     fn download<A: Application, const LEN: usize>(
@@ -343,7 +352,7 @@ impl Server {
         let size = (request.command() & SIZE_INDICATED != 0).then_some(request.data());
         let entry = self.accept(request, size, objects)?;
         self.begin(now, entry, Step::Download { toggle: 0 });
-        Ok(Some(request.answer(DOWNLOAD_ANSWER, 0).to_bytes()))
+        Ok(Some(request.answer(DOWNLOAD_ANSWER, 0)))
     }
 
     /// The entry that a value of several messages is for.
@@ -411,13 +420,13 @@ impl Server {
                     return Ok(Some(self.offer(now, entry, objects.settings().expedited)));
                 }
                 self.begin(now, entry, Step::BlockUpload(upload));
-                Ok(Some(request.answer(block::UPLOAD_ANSWER, self.size()).to_bytes()))
+                Ok(Some(request.answer(block::UPLOAD_ANSWER, self.size())))
             }
             block::Command::Download { size, crc } => {
                 let entry = self.accept(request, size, objects)?;
                 self.begin(now, entry, Step::BlockDownload(block::Download::new(crc)));
                 let block_len = block::BLOCK_LEN_MAX.into();
-                Ok(Some(request.answer(block::DOWNLOAD_ANSWER, block_len).to_bytes()))
+                Ok(Some(request.answer(block::DOWNLOAD_ANSWER, block_len)))
             }
             block::Command::DownloadEnd { unused, crc } => {
                 let Some(Transfer { entry, step: Step::BlockDownload(download), .. }) =
@@ -478,7 +487,7 @@ impl Server {
         now: Instant,
         entry: Entry,
         effect: Effect,
-        answer: [u8; DATA_MAX],
+        answer: Message,
         objects: &mut Objects<'_, A, LEN>,
     ) -> Answer {
         self.transfer = None;
@@ -502,6 +511,6 @@ impl Server {
     }
 }
 
-fn abort(entry: Entry, code: AbortCode) -> [u8; DATA_MAX] {
-    Message::new(ABORT, entry.row.id, code.get()).to_bytes()
+fn abort(entry: Entry, code: AbortCode) -> Message {
+    Message::new(ABORT, entry.row.id, code.get())
 }
