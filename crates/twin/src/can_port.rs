@@ -40,6 +40,8 @@ pub(crate) struct CanPort {
     mailboxes: [Option<Mailbox>; MAILBOXES],
     sending: Option<usize>,
     outcomes: VecDeque<Outcome>,
+    /// The newest request.
+    requested_at: Nanos,
     frames_taken: u64,
 }
 
@@ -73,6 +75,7 @@ impl CanPort {
             mailboxes: [None; MAILBOXES],
             sending: None,
             outcomes: VecDeque::new(),
+            requested_at: Nanos::ZERO,
             frames_taken: 0,
         }
     }
@@ -214,7 +217,9 @@ impl CanPort {
             Some(free) => free,
             None => self.make_room(&wire).ok_or(Busy)?,
         };
-        let request = Request { at: now, withdrawn_at: None, frame: wire };
+        // One after the other: on an idle bus the first has begun before the second is there.
+        self.requested_at = now.max(self.requested_at.after(1));
+        let request = Request { at: self.requested_at, withdrawn_at: None, frame: wire };
         let mailbox = Mailbox { frame: *frame, request, aborted: false };
         let before = self.mailboxes.get_mut(index).and_then(|slot| slot.replace(mailbox));
         Ok(before.map(|mailbox| mailbox.frame))
