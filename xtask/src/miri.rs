@@ -6,7 +6,7 @@ use crate::run::{self, Failure};
 use crate::tools::{self, NIGHTLY, Tool};
 
 /// Packages that are interpreted.
-const PACKAGES: [&str; 4] = ["canopen", "object-dictionary", "shared-proto", "tests-fuzz"];
+const PACKAGES: [&str; 3] = ["canopen", "object-dictionary", "shared-proto"];
 
 /// Property tests try so many inputs: the interpreter is a thousand times slower than the machine.
 const CASES: &str = "2";
