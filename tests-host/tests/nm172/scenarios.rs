@@ -733,8 +733,8 @@ fn communication_parameters_are_saved_and_restored() {
             2604   ms  23 80 1F 00 08 00 00 00 -> 60 80 1F 00 00 00 00 00
             2606   ms  23 02 20 00 07 00 00 00 -> 60 02 20 00 00 00 00 00
             4100   ms  supply back
-            4100   ms  77F#00
             4100   ms  2FF#00 00 00 00 00 00 00 10
+            4100   ms  77F#00
             4100   ms  77F#05
             4102   ms  40 17 10 00 00 00 00 00 -> 4B 17 10 00 F4 01 00 00
             5600   ms  supply back
