@@ -1,4 +1,4 @@
-//! A master that asks anything of an LSS slave, and a [`model`] that says what has to come of it.
+//! A master that asks anything of an LSS slave, and a model that says what has to come of it.
 
 mod model;
 

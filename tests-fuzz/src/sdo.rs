@@ -1,4 +1,4 @@
-//! An SDO client that asks anything, and a [`model`] that says what the server has to answer.
+//! An SDO client that asks anything, and a model that says what the server has to answer.
 
 mod model;
 
