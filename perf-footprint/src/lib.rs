@@ -16,6 +16,13 @@ use controller::Controller;
 /// Clocks of the processor after a reset, per millisecond.
 const CLOCKS_PER_MS: u32 = 16_000;
 
+/// The vectors behind those of the processor. The controller is asked again and again: no interrupt
+/// is ever enabled.
+#[expect(unsafe_code, reason = "the linker puts the vectors where the processor looks for them")]
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+pub static __INTERRUPTS: [usize; 1] = [0];
+
 /// Runs `stack` for ever.
 pub fn run<S: Stack>(stack: &mut S) -> ! {
     let controller = Controller::new();
