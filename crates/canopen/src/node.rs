@@ -634,7 +634,7 @@ impl<const LEN: usize> Node<LEN> {
     fn end_sync_window(&mut self, now: Instant) {
         if self.sync.as_mut().is_some_and(|sync| sync.take_window_end(now)) {
             let tpdos = &self.tpdos;
-            self.outbox.retain(|frame| !tpdos.send_with_sync(frame.id()));
+            self.outbox.retain(&mut |frame| !tpdos.send_with_sync(frame.id()));
         }
     }
 
@@ -783,7 +783,7 @@ impl<const LEN: usize> Node<LEN> {
             self.tpdos.stop();
             let error_control = Service::ErrorControl.id(self.node_id);
             let tpdos = &self.tpdos;
-            self.outbox.retain(|frame| match to {
+            self.outbox.retain(&mut |frame| match to {
                 State::PreOperational | State::Operational => !tpdos.send(frame.id()),
                 State::Stopped | State::Initialising => {
                     [error_control, lss::RESPONSE].contains(&frame.id())

@@ -42,7 +42,7 @@ impl Outbox {
 
     /// Adds a frame and drops an equal one that waits: it says nothing else.
     pub(crate) fn push_once(&mut self, frame: Frame) {
-        self.retain(|waiting| *waiting != frame);
+        self.retain(&mut |waiting| *waiting != frame);
         self.push(frame);
     }
 
@@ -77,8 +77,10 @@ impl Outbox {
     }
 
     /// Drops the waiting frames that are not to be kept.
-    pub(crate) fn retain(&mut self, keep: impl FnMut(&Frame) -> bool) {
-        self.frames.retain(keep);
+    pub(crate) fn retain(&mut self, keep: &mut dyn FnMut(&Frame) -> bool) {
+        for frame in mem::take(&mut self.frames).into_iter().filter(keep) {
+            let _ = self.frames.push(frame);
+        }
     }
 
     #[inline]
