@@ -90,6 +90,11 @@ impl Frame {
         Self { id, remote: false, len, data: [a, b, c, d, e, f, g, h] }
     }
 
+    /// A data frame of `len` bytes, at most 8; those of `data` behind them are zero.
+    pub(crate) const fn padded_from(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
+        Self { id, remote: false, len, data }
+    }
+
     /// The identifier.
     #[must_use]
     pub const fn id(&self) -> CanId {

@@ -324,7 +324,7 @@ impl<const LEN: usize> Node<LEN> {
     /// What happened, the oldest first.
     #[inline]
     pub fn poll_event(&mut self) -> Option<Event> {
-        if self.has_news || self.outbox.has_overflowed() { self.next_event() } else { None }
+        if self.has_news | self.outbox.has_overflowed() { self.next_event() } else { None }
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.
@@ -440,15 +440,21 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Hands a frame to who listens to it, the frequent ones first. The handlers are functions of
     /// their own: none pays for the registers and the stack of another.
-    #[inline(never)]
+    #[inline]
     fn dispatch(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
         let id = frame.id();
         if frame.is_remote() {
             self.handle_remote(now, id);
         } else if id == Service::SdoRequest.id(self.node_id) {
             self.handle_sdo(now, frame, application);
-        } else if self.sync.as_ref().is_some_and(|sync| sync.id() == id) {
-            self.receive_sync(now, frame, application);
+        } else if let Some(sync) = self.sync.as_mut().filter(|sync| sync.id() == id) {
+            match sync.receive(frame) {
+                sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
+                sync::Received::UnexpectedLength => {
+                    self.say(self.settings.receive_errors.sync_length);
+                }
+                sync::Received::Nothing => {}
+            }
         } else {
             self.handle_rpdo(now, frame, application);
         }
@@ -586,17 +592,8 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    #[inline(never)]
-    fn receive_sync(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
-        let Some(sync) = &mut self.sync else { return };
-        match sync.receive(frame) {
-            sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
-            sync::Received::UnexpectedLength => self.say(self.settings.receive_errors.sync_length),
-            sync::Received::Nothing => {}
-        }
-    }
-
     /// What waited for the SYNC is taken over before PDOs go out with it.
+    #[inline(never)]
     fn handle_sync(
         &mut self,
         now: Instant,
@@ -606,13 +603,20 @@ impl<const LEN: usize> Node<LEN> {
         if self.state != State::Operational {
             return;
         }
-        let Self { values, tpdos, rpdos, outbox, .. } = self;
-        rpdos.handle_sync(&mut Target { values, tpdos, application });
-        tpdos.handle_sync(counter, values, outbox);
-        self.follow_values(now);
+        if self.rpdos.wait() {
+            self.take_over_waiting(now, application);
+        }
+        self.tpdos.handle_sync(counter, &self.values, &mut self.outbox);
         if let Some(window_ends_at) = self.sync.as_mut().and_then(|sync| sync.open_window(now)) {
             self.wake_by(window_ends_at);
         }
+    }
+
+    #[inline(never)]
+    fn take_over_waiting(&mut self, now: Instant, application: &mut impl Application) {
+        let Self { values, tpdos, rpdos, .. } = self;
+        rpdos.handle_sync(&mut Target { values, tpdos, application });
+        self.follow_values(now);
     }
 
     /// Values changed: what is due now goes out, and what follows later is not missed.

@@ -16,17 +16,11 @@ pub const TRANSMIT_MAX: usize = 16;
 #[derive(Debug, Default)]
 pub(crate) struct Outbox {
     frames: Vec<Frame, TRANSMIT_MAX, u8>,
-    overflow: Overflow,
+    /// An overflow is to be reported.
+    has_overflowed: bool,
+    /// An overflow is reported once, until all frames are gone: the report may itself send a frame.
+    is_reported: bool,
     lost: u32,
-}
-
-/// An overflow is reported once, until all frames are gone: the report may itself send a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Overflow {
-    #[default]
-    None,
-    Unreported,
-    Reported,
 }
 
 impl Outbox {
@@ -34,7 +28,7 @@ impl Outbox {
     #[inline(never)]
     pub(crate) fn push(&mut self, frame: Frame) {
         if self.frames.is_empty() {
-            let _ = self.frames.push(frame);
+            self.push_alone(frame);
         } else {
             self.insert(frame, |waiting| urgency(waiting) <= urgency(&frame));
         }
@@ -57,10 +51,17 @@ impl Outbox {
     #[inline]
     pub(crate) fn supersede(&mut self, frame: Frame) {
         if self.frames.is_empty() {
-            let _ = self.frames.push(frame);
+            self.push_alone(frame);
         } else {
             self.replace(frame);
         }
+    }
+
+    /// Adds a frame where none waits.
+    #[inline]
+    fn push_alone(&mut self, frame: Frame) {
+        self.is_reported = false;
+        let _ = self.frames.push(frame);
     }
 
     #[inline(never)]
@@ -90,11 +91,7 @@ impl Outbox {
 
     #[inline]
     pub(crate) fn take(&mut self) -> Option<Frame> {
-        let frame = self.frames.pop()?;
-        if self.overflow == Overflow::Reported && self.frames.is_empty() {
-            self.overflow = Overflow::None;
-        }
-        Some(frame)
+        self.frames.pop()
     }
 
     /// Whether a frame with this identifier waits.
@@ -109,14 +106,14 @@ impl Outbox {
 
     /// Whether an overflow is to be reported.
     #[inline]
-    pub(crate) fn has_overflowed(&self) -> bool {
-        self.overflow == Overflow::Unreported
+    pub(crate) const fn has_overflowed(&self) -> bool {
+        self.has_overflowed
     }
 
     /// How many frames were dropped so far because the list was full, if that is to be reported.
     pub(crate) fn take_overflow(&mut self) -> Option<u32> {
-        self.has_overflowed().then(|| {
-            self.overflow = Overflow::Reported;
+        mem::take(&mut self.has_overflowed).then(|| {
+            self.is_reported = true;
             self.lost
         })
     }
@@ -127,9 +124,7 @@ impl Outbox {
         let mut carried = frame;
         if self.frames.is_full() {
             self.lost = self.lost.saturating_add(1);
-            if self.overflow == Overflow::None {
-                self.overflow = Overflow::Unreported;
-            }
+            self.has_overflowed |= !self.is_reported;
             for place in self.frames.iter_mut().rev().filter(|place| !goes_first(place)) {
                 mem::swap(place, &mut carried);
             }

@@ -89,14 +89,29 @@ impl Mapping {
         self.len
     }
 
-    /// The present values, the first object in the first bytes. What a word has more than its field
-    /// is overwritten by the next one; behind the last one, bytes mean nothing.
-    pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> [u8; DATA_MAX] {
+    /// The present values, the first object in the lowest bytes, and zeros behind the last.
+    #[inline(never)]
+    pub(super) fn gather<const LEN: usize>(&self, values: &Values<LEN>) -> u64 {
+        match *self.fields {
+            // Two whole words need not be put together byte by byte.
+            [low, high] if (high.at, self.len) == (4, 8) => {
+                u64::from(values.raw(low.slot)) | u64::from(values.raw(high.slot)) << 32
+            }
+            _ => self.gather_bytes(values),
+        }
+    }
+
+    /// What a word has more than its field is overwritten by the next one.
+    fn gather_bytes<const LEN: usize>(&self, values: &Values<LEN>) -> u64 {
         let mut bytes: Bytes = [0; _];
         for field in self.fields() {
             put(&mut bytes, field.at % LEN_MAX, values.raw(field.slot));
         }
-        bytes.first_chunk().copied().unwrap_or_default()
+        let data = u64::from_le_bytes(bytes.first_chunk().copied().unwrap_or_default());
+        match self.len {
+            LEN_MAX.. => data,
+            len => data & !(u64::MAX << (8 * len)),
+        }
     }
 
     /// Whether all numbers in `bytes` may be written.

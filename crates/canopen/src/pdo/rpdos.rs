@@ -81,15 +81,19 @@ impl Rpdos {
         outcome
     }
 
+    /// Whether one waits for a SYNC.
+    #[inline]
+    pub(crate) const fn wait(&self) -> bool {
+        self.wait
+    }
+
     /// Takes a SYNC: what waited for it is taken over.
     pub(crate) fn handle_sync<A: Application, const LEN: usize>(
         &mut self,
         target: &mut Target<'_, A, LEN>,
     ) {
-        if self.wait {
-            self.wait = false;
-            self.rpdos.iter_mut().for_each(|rpdo| rpdo.handle_sync(target));
-        }
+        self.wait = false;
+        self.rpdos.iter_mut().for_each(|rpdo| rpdo.handle_sync(target));
     }
 
     /// When the next one is overdue.

@@ -7,6 +7,7 @@ use super::transmission::Transmission;
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
+use crate::outbox::Outbox;
 use crate::settings::{PdoRules, RemoteRequests};
 
 /// A transmit PDO (CiA 301, section 7.2.2; objects 0x1800 and 0x1A00 and following).
@@ -152,13 +153,15 @@ impl Tpdo {
         }
     }
 
-    /// The frame that goes out with a SYNC. `counter` is that of the SYNC, if there is one.
+    /// Goes out with a SYNC, if it is its turn. `counter` is that of the SYNC, if there is one.
+    #[inline]
     pub(super) fn handle_sync<const LEN: usize>(
         &mut self,
         counter: Option<u8>,
         values: &Values<LEN>,
-    ) -> Option<Frame> {
-        let progress = self.progress.as_mut()?;
+        outbox: &mut Outbox,
+    ) {
+        let Some(progress) = &mut self.progress else { return };
         let goes = match self.parameters.transmission {
             Transmission::EverySync { nth } => {
                 progress.count_sync(counter, self.parameters.sync_start, nth)
@@ -170,7 +173,9 @@ impl Tpdo {
             }
             Transmission::Remote | Transmission::Event(_) | Transmission::Never => false,
         };
-        goes.then(|| self.frame(values))
+        if goes {
+            outbox.supersede(self.frame(values));
+        }
     }
 
     fn sample<const LEN: usize>(&mut self, values: &Values<LEN>) {
@@ -229,10 +234,9 @@ impl Tpdo {
     }
 
     /// The frame with the present values.
-    #[inline(never)]
     fn frame<const LEN: usize>(&self, values: &Values<LEN>) -> Frame {
-        let data = self.mapping.gather(values);
-        Frame::prefix(self.parameters.cob_id.can_id(), data, self.mapping.byte_len())
+        let data = self.mapping.gather(values).to_le_bytes();
+        Frame::padded_from(self.parameters.cob_id.can_id(), data, self.mapping.byte_len())
     }
 }
 

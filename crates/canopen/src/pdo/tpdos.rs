@@ -111,9 +111,7 @@ impl Tpdos {
         outbox: &mut Outbox,
     ) {
         for tpdo in &mut self.tpdos {
-            if let Some(frame) = tpdo.handle_sync(counter, values) {
-                outbox.supersede(frame);
-            }
+            tpdo.handle_sync(counter, values, outbox);
         }
     }
 
