@@ -5,6 +5,7 @@
 #![cfg(feature = "image")]
 
 mod controller;
+mod memory;
 
 use core::panic::PanicInfo;
 

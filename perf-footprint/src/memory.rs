@@ -1,0 +1,42 @@
+//! The routines that compilers call to copy and to clear memory, a byte at a time as in C libraries
+//! for small devices. Those that come with Rust are made for speed and take 1.3 kB more.
+#![expect(unsafe_code, reason = "the linker takes these for the routines that compilers know")]
+
+use core::arch::global_asm;
+
+global_asm!(
+    ".macro routine name",
+    ".global \\name",
+    ".thumb_func",
+    "\\name:",
+    ".endm",
+    ".section .text.memory, \"ax\"",
+    ".syntax unified",
+    // r0: to; r1: from; r2: bytes. r0 stays.
+    "routine memcpy",
+    "routine __aeabi_memcpy",
+    "routine __aeabi_memcpy4",
+    "routine __aeabi_memcpy8",
+    "mov r3, r0",
+    "0: subs r2, #1",
+    "it mi",
+    "bxmi lr",
+    "ldrb r12, [r1], #1",
+    "strb r12, [r3], #1",
+    "b 0b",
+    // r0: where; r1: the byte; r2: bytes. r0 stays.
+    "routine memset",
+    "mov r3, r0",
+    "0: subs r2, #1",
+    "it mi",
+    "bxmi lr",
+    "strb r1, [r3], #1",
+    "b 0b",
+    // r0: where; r1: bytes.
+    "routine __aeabi_memclr",
+    "routine __aeabi_memclr4",
+    "routine __aeabi_memclr8",
+    "mov r2, r1",
+    "movs r1, #0",
+    "b memset",
+);
