@@ -132,14 +132,14 @@ impl Server {
                 self.transfer = None;
                 return None;
             }
-            _ if in_block => self.block_segment(now, bytes, objects),
+            _ if in_block => self.block_segment(bytes, objects),
             0x20 | 0x21 if objects.settings().expedited != Expedited::FourOnly => {
                 if command & SIZE_INDICATED != 0 && len < 8 {
                     return None;
                 }
                 self.download(now, Message::from_bytes(bytes), objects)
             }
-            0x60 | 0x70 => self.upload_segment(now, command),
+            0x60 | 0x70 => self.upload_segment(command),
             0x00..=0x1F => {
                 let (_, data) = frame.data().split_first()?;
                 let data = data.get(..SEGMENT_LEN - usize::from(command >> 1 & 7))?;
@@ -153,7 +153,16 @@ impl Server {
                 Err(AbortCode::UNKNOWN_COMMAND)
             }
         };
+        self.renew(now);
         answer.unwrap_or_else(|code| Some(self.fail(Message::from_bytes(bytes), code)))
+    }
+
+    /// The client goes on with its transfer.
+    fn renew(&mut self, now: Instant) {
+        match &mut self.transfer {
+            Some(Transfer { step: Step::Storage { .. }, .. }) | None => {}
+            Some(transfer) => transfer.expires_at = now + SEGMENT_TIMEOUT,
+        }
     }
 
     /// Ends the transfer in progress, or refuses to begin one.
@@ -287,10 +296,8 @@ impl Server {
         }
     }
 
-    fn upload_segment(&mut self, now: Instant, command: u8) -> Answer {
-        let Some(Transfer { expires_at, step: Step::Upload { toggle, sent }, .. }) =
-            &mut self.transfer
-        else {
+    fn upload_segment(&mut self, command: u8) -> Answer {
+        let Some(Transfer { step: Step::Upload { toggle, sent }, .. }) = &mut self.transfer else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
         let told = command & TOGGLE;
@@ -301,7 +308,6 @@ impl Server {
         let Some(unused) = SEGMENT_LEN.checked_sub(rest.len()) else {
             *toggle ^= TOGGLE;
             *sent += SEGMENT_LEN;
-            *expires_at = now + SEGMENT_TIMEOUT;
             return Ok(Some(segment(told, rest)));
         };
         let [unused, ..] = unused.to_le_bytes();
@@ -379,8 +385,7 @@ impl Server {
         data: &[u8],
         objects: &mut Objects<'_, A, LEN>,
     ) -> Answer {
-        let Some(Transfer { entry, expires_at, step: Step::Download { toggle } }) =
-            &mut self.transfer
+        let Some(Transfer { entry, step: Step::Download { toggle }, .. }) = &mut self.transfer
         else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
@@ -395,7 +400,6 @@ impl Server {
         let answer = segment(DOWNLOAD_SEGMENT_ANSWER | told, &[]);
         if command & LAST == 0 {
             *toggle ^= TOGGLE;
-            *expires_at = now + SEGMENT_TIMEOUT;
             return Ok(Some(answer));
         }
         let effect = objects.write(entry, &self.value)?;
@@ -437,13 +441,13 @@ impl Server {
                 let effect = objects.write(entry, download.end(&self.value, unused, crc)?)?;
                 self.finish(now, entry, effect, segment(block::DOWNLOAD_END_ANSWER, &[]), objects)
             }
-            block::Command::UploadStart => self.block_upload(now)?.0.start().map(|()| None),
+            block::Command::UploadStart => self.block_upload()?.0.start().map(|()| None),
             block::Command::UploadAcknowledge { number, block_len } => {
-                let (upload, value) = self.block_upload(now)?;
+                let (upload, value) = self.block_upload()?;
                 upload.acknowledge(value, number, block_len)
             }
             block::Command::UploadEnd => {
-                self.block_upload(now)?.0.end()?;
+                self.block_upload()?.0.end()?;
                 self.transfer = None;
                 Ok(None)
             }
@@ -452,31 +456,26 @@ impl Server {
 
     fn block_segment<A: Application, const LEN: usize>(
         &mut self,
-        now: Instant,
         bytes: [u8; DATA_MAX],
         objects: &Objects<'_, A, LEN>,
     ) -> Answer {
-        let Some(Transfer { entry, expires_at, step: Step::BlockDownload(download) }) =
-            &mut self.transfer
+        let Some(Transfer { entry, step: Step::BlockDownload(download), .. }) = &mut self.transfer
         else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
-        *expires_at = now + SEGMENT_TIMEOUT;
         let len = entry.row.data_type.len();
         download.take(bytes, &mut self.value, len).map_err(|_| objects.length_code(entry.row))
     }
 
     /// The block upload in progress, which the client goes on with, and the value.
-    fn block_upload(&mut self, now: Instant) -> Result<(&mut block::Upload, &[u8]), AbortCode> {
+    fn block_upload(&mut self) -> Result<(&mut block::Upload, &[u8]), AbortCode> {
         match &mut self.transfer {
-            Some(Transfer { expires_at, step: Step::BlockUpload(upload), .. }) => {
-                *expires_at = now + SEGMENT_TIMEOUT;
-                Ok((upload, &self.value))
-            }
+            Some(Transfer { step: Step::BlockUpload(upload), .. }) => Ok((upload, &self.value)),
             Some(_) | None => Err(AbortCode::UNKNOWN_COMMAND),
         }
     }
 
+    #[inline(never)]
     fn begin(&mut self, now: Instant, entry: Entry, step: Step) {
         self.transfer = Some(Transfer { entry, expires_at: now + SEGMENT_TIMEOUT, step });
     }
