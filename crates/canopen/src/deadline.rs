@@ -15,11 +15,13 @@ impl Deadline {
     }
 
     /// One `time` after `now`; no time at all switches off.
+    #[inline(never)]
     pub(crate) fn after(now: Instant, time: Duration) -> Self {
         if time > Duration::ZERO { Self(now + time) } else { Self::NEVER }
     }
 
     /// One `period` later: in step unless that is over, too.
+    #[inline(never)]
     pub(crate) fn next(self, now: Instant, period: Duration) -> Self {
         let next_at = self.0 + period;
         Self(if next_at > now { next_at } else { now + period })

@@ -933,9 +933,7 @@ impl<const LEN: usize> Node<LEN> {
 
     fn listen(&mut self) {
         let mut screen = Screen::CLOSED;
-        for accepted in self.accepts() {
-            screen.open(accepted.id);
-        }
+        self.accepts().for_each(|accepted| screen.open(accepted.id));
         self.screen = screen;
     }
 
