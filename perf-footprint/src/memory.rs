@@ -1,5 +1,5 @@
 //! The routines that compilers call to copy and to clear memory, a byte at a time as in C libraries
-//! for small devices. Those that come with Rust are made for speed and take 1.3 kB more.
+//! for small devices. Those that come with Rust are made for speed and take about 1 kB more.
 #![expect(unsafe_code, reason = "the linker takes these for the routines that compilers know")]
 
 use core::arch::global_asm;
