@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use serde_json::json;
 use tests_host::{Bench, fleet};
 
 use crate::row;
@@ -32,7 +33,7 @@ pub(crate) fn many_devices() {
 pub(crate) fn round_trips() {
     const TRIPS: u32 = 4_000;
     const KBIT_1000: u8 = 8;
-    let bench = Bench::real("nm172", &["--engine", "twin"]);
+    let mut bench = Bench::real("nm172", &["--engine", "twin"]);
     let mut master = bench.slcan();
     master.open(4);
     while master.receive().id != 0x77F {}
@@ -41,10 +42,11 @@ pub(crate) fn round_trips() {
         while master.receive().id != 0x5FF {}
     };
     ask([0x2F, 0x00, 0x21, 0x00, KBIT_1000, 0, 0, 0]);
-    master.send(0x000, &[0x81, 0]);
     drop(master);
+    bench.tell("power", json!({ "on": false }));
     let mut master = bench.slcan();
     master.open(KBIT_1000);
+    bench.tell("power", json!({ "on": true }));
     while master.receive().id != 0x77F {}
     let started = now();
     for _ in 0..TRIPS {
