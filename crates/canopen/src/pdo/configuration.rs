@@ -6,6 +6,7 @@ use super::mapping::{LEN_MAX, MAPPED_MAX};
 use super::rpdo::Reception;
 use super::transmission::Transmission;
 use crate::cob_id::CobId;
+use crate::parameter::parameter;
 use crate::sdo::AbortCode;
 use crate::settings::{PdoChanges, PdoIdentifiers, PdoRules};
 
@@ -112,6 +113,6 @@ impl<const LEN: usize> Present<'_, LEN> {
     }
 
     fn value(&self, object: ObjectId) -> Option<u32> {
-        Some(self.values.raw(self.values.dictionary().find(object).ok()?))
+        parameter(self.values, object.index, object.sub)
     }
 }

@@ -1,9 +1,10 @@
 use heapless::Vec;
-use object_dictionary::{DataType, Dictionary, ObjectId, Slot, Values};
+use object_dictionary::{DataType, Dictionary, Slot, Values};
 
 use super::entry::Entry;
 use super::span::Span;
 use crate::frame::DATA_MAX;
+use crate::parameter::parameter;
 
 /// Objects that one PDO may carry.
 pub(super) const MAPPED_MAX: u8 = 8;
@@ -51,7 +52,7 @@ impl Mapping {
     /// Reads the mapping object with this index, up to the first entry that does not fit.
     pub(super) fn read<const LEN: usize>(values: &Values<LEN>, index: u16) -> Self {
         let dictionary = values.dictionary();
-        let value = |sub| Some(values.raw(dictionary.find(ObjectId { index, sub }).ok()?));
+        let value = |sub| parameter(values, index, sub);
         let mut mapping = Self::default();
         let count = value(0).unwrap_or(0).min(u32::from(MAPPED_MAX));
         for entry in (1..).zip(0..count).map_while(|(sub, _)| value(sub)).map(Entry::from_raw) {

@@ -1,4 +1,4 @@
-use object_dictionary::{ObjectId, Values};
+use object_dictionary::Values;
 use units::{Duration, Instant};
 
 use super::mapping::{Bytes, Mapping};
@@ -7,6 +7,7 @@ use crate::application::Application;
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
+use crate::parameter::parameter;
 use crate::settings::{Emergency, ReceiveErrors};
 
 /// A receive PDO (CiA 301, section 7.2.2; objects 0x1400 and 0x1600 and following).
@@ -184,7 +185,7 @@ impl Parameters {
     /// `None` when the product has no such PDO.
     fn read<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
         let index = COMMUNICATION + number;
-        let value = |sub| Some(values.raw(values.dictionary().find(ObjectId { index, sub }).ok()?));
+        let value = |sub| parameter(values, index, sub);
         let [low, high, ..] = value(5).unwrap_or(0).to_le_bytes();
         Some(Self {
             cob_id: CobId::from_raw(value(1)?),

@@ -1,4 +1,4 @@
-use object_dictionary::{ObjectId, Slot, Values};
+use object_dictionary::{Slot, Values};
 use units::{Duration, Instant};
 
 use super::mapping::Mapping;
@@ -8,6 +8,7 @@ use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
 use crate::outbox::Outbox;
+use crate::parameter::parameter;
 use crate::settings::{PdoRules, RemoteRequests};
 
 /// A transmit PDO (CiA 301, section 7.2.2; objects 0x1800 and 0x1A00 and following).
@@ -261,7 +262,7 @@ impl Parameters {
     /// `None` when the product has no such PDO.
     fn read<const LEN: usize>(number: u16, values: &Values<LEN>, rules: &PdoRules) -> Option<Self> {
         let index = COMMUNICATION + number;
-        let value = |sub| Some(values.raw(values.dictionary().find(ObjectId { index, sub }).ok()?));
+        let value = |sub| parameter(values, index, sub);
         let [sync_start, ..] = value(6).unwrap_or(0).to_le_bytes();
         Some(Self {
             cob_id: CobId::from_raw(value(1)?),
