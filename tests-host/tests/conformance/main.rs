@@ -152,6 +152,12 @@ fn judged(device: Device, chapters: &[(&str, &[Case])]) -> BTreeMap<&'static str
             }
         }
     }
+    for (number, justification) in device.deviations {
+        let deviates = |verdict: &Verdict| matches!(verdict, Err(Reason::Deviates(_)));
+        if verdicts.get(number).is_some_and(|verdict| !deviates(verdict)) {
+            let _ = writeln!(failures, "{number} does not deviate: {justification}");
+        }
+    }
     assert!(failures.is_empty(), "{} on the {}:\n{failures}", device.product, device.engine);
     verdicts
 }
