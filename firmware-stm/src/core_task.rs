@@ -183,6 +183,10 @@ impl Core {
         }
         self.transmit();
         self.hand_on();
+        // The controller counts a received frame in favour of itself, without an interrupt.
+        if self.errors != ErrorState::Active {
+            self.take_bus_state();
+        }
     }
 
     fn take_outcomes(&mut self) {

@@ -494,7 +494,8 @@ fn the_link_is_noisy() {
     assert_eq!(resets(&mut scene.bench), [2, 2], "power-on twice, nothing else");
 }
 
-/// NM17x EMCY-02, EMCY-05, A-31: disturbed, held dominant until bus-off, and back without a restart.
+/// NM17x EMCY-02, EMCY-05, A-31: half of all frames fail, then all of them until the device is
+/// bus-off, and it is back without a restart.
 #[test]
 fn the_bus_is_disturbed() {
     let mut scene = booted(&[]);
@@ -503,18 +504,43 @@ fn the_bus_is_disturbed() {
     scene.tell("can_fault", json!({ "error_rate": 0.0 })).run_ms(200);
     let heartbeats = scene.frames().iter().filter(|frame| *frame == "77F#7F").count();
     assert!((80..=122).contains(&heartbeats), "{heartbeats} heartbeats in 1.2 s");
-    scene.note("held dominant").tell("can_fault", json!({ "stuck_dominant": true })).run_ms(500);
-    scene.tell("can_fault", json!({ "stuck_dominant": false })).run_ms(2_000).frames();
+    scene.note("all frames fail").tell("can_fault", json!({ "error_rate": 1.0 })).run_ms(500);
+    scene.tell("can_fault", json!({ "error_rate": 0.0 })).run_ms(500);
+    let emergencies: Vec<_> =
+        scene.frames().into_iter().filter(|frame| frame.starts_with("0FF#")).collect();
+    assert_eq!(emergencies.last().map(String::as_str), Some("0FF#00 00 00 00 00 00 00 00"));
+    assert!(emergencies.iter().any(|frame| frame.starts_with("0FF#40 81 11")), "{emergencies:?}");
     scene.sdo("2B 17 10 00 00 00 00 00").sdo("40 01 10 00 00 00 00 00");
     check(
         &scene,
         expect![[r#"
-        1002   ms  2B 17 10 00 0A 00 00 00 -> 60 17 10 00 00 00 00 00
-        1002   ms  half of all frames fail
-        2202   ms  held dominant
-        4705   ms  2B 17 10 00 00 00 00 00 -> 60 17 10 00 00 00 00 00
-        4707   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 00 00 00 00
-    "#]],
+            1002   ms  2B 17 10 00 0A 00 00 00 -> 60 17 10 00 00 00 00 00
+            1002   ms  half of all frames fail
+            2202   ms  all frames fail
+            3204   ms  2B 17 10 00 00 00 00 00 -> 60 17 10 00 00 00 00 00
+            3206   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 00 00 00 00
+        "#]],
+    );
+    assert_eq!(resets(&mut scene.bench), [1, 1]);
+}
+
+/// NM17x EMCY-05, A-31: a device that has nothing to send while the bus is held dominant is
+/// error-passive, and stays so until it has received a frame (ISO 11898-1, fault confinement).
+#[test]
+fn the_bus_is_held_dominant() {
+    let mut scene = booted(&[]);
+    scene.note("held dominant").tell("can_fault", json!({ "stuck_dominant": true })).run_ms(500);
+    scene.tell("can_fault", json!({ "stuck_dominant": false })).run_ms(500).note_frames();
+    scene.sdo("40 01 10 00 00 00 00 00").run_ms(10).note_frames().sdo("40 01 10 00 00 00 00 00");
+    check(
+        &scene,
+        expect![[r#"
+            1000   ms  held dominant
+            2000   ms  0FF#00 81 00 00 00 00 00 00
+            2000   ms  0FF#20 81 11 00 00 00 00 00
+            2003   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 11 00 00 00
+            2015   ms  40 01 10 00 00 00 00 00 -> 4F 01 10 00 00 00 00 00
+        "#]],
     );
     assert_eq!(resets(&mut scene.bench), [1, 1]);
 }
