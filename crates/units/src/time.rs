@@ -1,4 +1,5 @@
-/// A point on a monotonic clock that started at zero with the device, in microseconds.
+/// A point on a monotonic clock that started at zero with the device, in microseconds. 64 bits of
+/// them are half a million years: sums are not checked, they wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Instant(u64);
 
@@ -62,7 +63,7 @@ impl core::ops::Add<Duration> for Instant {
     type Output = Self;
 
     fn add(self, span: Duration) -> Self {
-        Self(self.0.saturating_add(span.0))
+        Self(self.0.wrapping_add(span.0))
     }
 }
 
@@ -70,6 +71,6 @@ impl core::ops::Mul<u64> for Duration {
     type Output = Self;
 
     fn mul(self, times: u64) -> Self {
-        Self(self.0.saturating_mul(times))
+        Self(self.0.wrapping_mul(times))
     }
 }
