@@ -34,19 +34,22 @@ pub(crate) enum Service {
 impl Service {
     /// Whether a node has this object with the identifier `id`.
     pub(crate) fn has(self, id: CanId) -> bool {
-        let [first, last] = [NodeId(1), NodeId(127)].map(|node_id| self.id(node_id));
-        (first..=last).contains(&id)
+        const NODE_ID: u16 = 0x7F;
+        id.get() & !NODE_ID == self.function_code() && id.get() & NODE_ID != 0
     }
 
     /// The identifier of this object at a node.
     pub(crate) const fn id(self, node_id: NodeId) -> CanId {
-        let function_code: u32 = match self {
+        CanId::from_low_bits(self.function_code() as u32 + node_id.0 as u32)
+    }
+
+    const fn function_code(self) -> u16 {
+        match self {
             Self::Emergency => 0x080,
             Self::SdoResponse => 0x580,
             Self::SdoRequest => 0x600,
             Self::ErrorControl => 0x700,
-        };
-        CanId::from_low_bits(function_code + node_id.0 as u32)
+        }
     }
 }
 
@@ -107,9 +110,9 @@ impl CobId {
         self.0 & Self::GENERATE != 0
     }
 
-    /// The identifier of TIME, if the device consumes it (bit 31).
-    pub(crate) const fn consumed(self) -> Option<CanId> {
-        if self.0 & Self::CONSUME != 0 { Some(self.can_id()) } else { None }
+    /// The identifier of TIME, if the device consumes it (bit 31); else none.
+    pub(crate) const fn consumed(self) -> CanId {
+        if self.0 & Self::CONSUME != 0 { self.can_id() } else { CanId::NONE }
     }
 
     /// Whether a TIME consumer may have it: one that SYNC may have, too, and not asked to produce.

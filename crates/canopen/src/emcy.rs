@@ -14,7 +14,7 @@ const WAITING_MAX: usize = 8;
 /// One step of 0x1015.
 const INHIBIT_UNIT: Duration = Duration::from_micros(100);
 
-const COB_ID: u16 = 0x1014;
+pub(crate) const COB_ID: u16 = 0x1014;
 const INHIBIT_TIME: u16 = 0x1015;
 const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
@@ -33,33 +33,37 @@ pub(crate) const PARTNER_LOST: u16 = 0x8130;
 /// the error field.
 #[derive(Debug)]
 pub(crate) struct Producer {
-    id: Option<CanId>,
+    /// None while it is switched off.
+    id: CanId,
     inhibit_time: Duration,
     inhibited_until: Instant,
     waiting: Deque<[u8; 8], WAITING_MAX>,
 }
 
 impl Producer {
-    pub(crate) fn new<const LEN: usize>(node_id: NodeId, values: &Values<LEN>) -> Self {
-        let mut producer = Self {
-            id: Some(Service::Emergency.id(node_id)),
-            inhibit_time: Duration::ZERO,
-            inhibited_until: Instant::ZERO,
-            waiting: Deque::new(),
-        };
-        producer.reread(Instant::ZERO, values);
-        producer
-    }
+    /// One that is switched off.
+    pub(crate) const OFF: Self = Self {
+        id: CanId::NONE,
+        inhibit_time: Duration::ZERO,
+        inhibited_until: Instant::ZERO,
+        waiting: Deque::new(),
+    };
 
-    /// Takes 0x1014 and 0x1015 over again. A producer that is switched off forgets what waits.
-    pub(crate) fn reread<const LEN: usize>(&mut self, now: Instant, values: &Values<LEN>) {
+    /// Takes 0x1014 and 0x1015 over. A producer that is switched off forgets what waits.
+    pub(crate) fn reread<const LEN: usize>(
+        &mut self,
+        now: Instant,
+        node_id: NodeId,
+        values: &Values<LEN>,
+    ) {
         let value = |index| parameter(values, index, 0);
-        if let Some(raw) = value(COB_ID) {
-            self.id = CobId::from_raw(raw).valid();
-        }
+        self.id = match value(COB_ID) {
+            Some(raw) => CobId::from_raw(raw).valid().unwrap_or(CanId::NONE),
+            None => Service::Emergency.id(node_id),
+        };
         self.inhibit_time = INHIBIT_UNIT * u64::from(value(INHIBIT_TIME).unwrap_or(0));
         self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
-        if self.id.is_none() {
+        if self.id == CanId::NONE {
             self.waiting.clear();
         }
     }
@@ -81,9 +85,11 @@ impl Producer {
         let register = parameter(values, ERROR_REGISTER, 0).unwrap_or(0);
         let [register, ..] = register.to_le_bytes();
         let data = [low, high, register, a, b, c, d, e];
-        let id = self.id?;
+        if self.id == CanId::NONE {
+            return None;
+        }
         if self.inhibit_time == Duration::ZERO && self.waiting.is_empty() {
-            return Some(Frame::full(id, data));
+            return Some(Frame::full(self.id, data));
         }
         if self.waiting.is_full() {
             self.waiting.pop_front();
@@ -102,9 +108,8 @@ impl Producer {
         if !self.due_at().is_due(now) {
             return None;
         }
-        let (id, data) = (self.id?, self.waiting.pop_front()?);
         self.inhibited_until = now + self.inhibit_time;
-        Some(Frame::full(id, data))
+        self.waiting.pop_front().map(|data| Frame::full(self.id, data))
     }
 }
 

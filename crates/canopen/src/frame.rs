@@ -20,6 +20,9 @@ impl CanId {
     /// Largest identifier.
     pub const MAX: Self = Self(0x7FF);
 
+    /// What a service listens to or sends with while it is off: no frame has this identifier.
+    pub(crate) const NONE: Self = Self(u16::MAX);
+
     /// The identifier `id`. `None` above 0x7FF.
     #[must_use]
     pub const fn new(id: u16) -> Option<Self> {

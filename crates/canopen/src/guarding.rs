@@ -16,25 +16,14 @@ pub(crate) const LIFE_TIME_FACTOR: u16 = 0x100D;
 /// guarding, where both objects are not 0. A node that sends heartbeats does neither.
 #[derive(Debug)]
 pub(crate) struct Guarded {
-    toggle: Toggle,
+    /// Whether the product has a guard time.
+    is_served: bool,
+    /// Bit 7 of the next answer.
+    toggle: u8,
     life_time: Duration,
-    life: Life,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Toggle {
-    Clear,
-    Set,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Life {
-    /// Not before the first request.
-    Unguarded,
-    Guarded {
-        until: Deadline,
-    },
-    Lost,
+    /// Only while the node is guarded: not before the first request.
+    lost_at: Deadline,
+    is_lost: bool,
 }
 
 /// What a request changed.
@@ -46,71 +35,67 @@ pub(crate) enum Request {
 }
 
 impl Guarded {
-    /// `None` when the product has no guard time.
-    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Option<Self> {
-        parameter(values, GUARD_TIME, 0)?;
-        let mut guarded =
-            Self { toggle: Toggle::Clear, life_time: Duration::ZERO, life: Life::Unguarded };
-        guarded.reread(values);
-        Some(guarded)
+    /// As in a product without its objects.
+    pub(crate) const OFF: Self = Self {
+        is_served: false,
+        toggle: 0,
+        life_time: Duration::ZERO,
+        lost_at: Deadline::NEVER,
+        is_lost: false,
+    };
+
+    /// Takes both objects over. Life guarding starts anew with the next request.
+    pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
+        let value = |index| parameter(values, index, 0).map(u64::from);
+        let guard_time = value(GUARD_TIME);
+        self.is_served = guard_time.is_some();
+        self.life_time =
+            Duration::from_millis(guard_time.unwrap_or(0)) * value(LIFE_TIME_FACTOR).unwrap_or(0);
+        self.stop();
     }
 
-    /// Takes both objects over again. Life guarding starts anew with the next request.
-    pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let value = |index| u64::from(parameter(values, index, 0).unwrap_or(0));
-        self.life_time = Duration::from_millis(value(GUARD_TIME)) * value(LIFE_TIME_FACTOR);
-        self.stop();
+    /// Whether requests are answered.
+    pub(crate) const fn is_served(&self) -> bool {
+        self.is_served
     }
 
     /// Ends life guarding until the next request.
     pub(crate) fn stop(&mut self) {
-        self.life = Life::Unguarded;
+        self.lost_at = Deadline::NEVER;
+        self.is_lost = false;
     }
 
     /// Takes a request.
     pub(crate) fn handle(&mut self, now: Instant) -> Request {
-        let before = self.life;
-        self.life = Life::Guarded { until: Deadline::after(now, self.life_time) };
-        match before {
-            Life::Lost => Request::Recovered,
-            Life::Unguarded | Life::Guarded { .. } => Request::Expected,
-        }
+        self.lost_at = Deadline::after(now, self.life_time);
+        if core::mem::take(&mut self.is_lost) { Request::Recovered } else { Request::Expected }
     }
 
     /// The answer of a node whose heartbeat would be `state`.
     pub(crate) const fn answer(&mut self, state: u8) -> u8 {
         const TOGGLE: u8 = 1 << 7;
-        match self.toggle {
-            Toggle::Clear => {
-                self.toggle = Toggle::Set;
-                state
-            }
-            Toggle::Set => {
-                self.toggle = Toggle::Clear;
-                state | TOGGLE
-            }
-        }
+        let answer = state | self.toggle;
+        self.toggle ^= TOGGLE;
+        answer
     }
 
     /// When the node counts as lost.
     pub(crate) const fn due_at(&self) -> Deadline {
-        match self.life {
-            Life::Guarded { until } => until,
-            Life::Unguarded | Life::Lost => Deadline::NEVER,
-        }
+        self.lost_at
     }
 
     /// Whether the node is lost from now on.
     pub(crate) fn take_due(&mut self, now: Instant) -> bool {
-        let due = self.due_at().is_due(now);
+        let due = self.lost_at.is_due(now);
         if due {
-            self.life = Life::Lost;
+            self.lost_at = Deadline::NEVER;
+            self.is_lost = true;
         }
         due
     }
 
     /// Whether the node is lost.
-    pub(crate) fn is_lost(&self) -> bool {
-        self.life == Life::Lost
+    pub(crate) const fn is_lost(&self) -> bool {
+        self.is_lost
     }
 }

@@ -62,14 +62,14 @@ pub struct Node<const LEN: usize> {
     state: State,
     values: Values<LEN>,
     heartbeat: heartbeat::Producer,
-    guarded: Option<Guarded>,
+    guarded: Guarded,
     monitored: heartbeat::Consumers,
     /// The error register as far as the device sets it.
     device_errors: u8,
     bus: BusState,
-    sync: Option<Sync>,
-    /// The identifier of TIME, if it is consumed.
-    time: Option<CanId>,
+    sync: Sync,
+    /// The identifier of TIME, if it is consumed; else none.
+    time: CanId,
     emergencies: emcy::Producer,
     sdo: sdo::Server,
     lss: Option<lss::Slave>,
@@ -165,20 +165,18 @@ impl<const LEN: usize> Node<LEN> {
         settings: &'static Settings,
     ) -> Self {
         let values = Values::new(dictionary, node_id.get());
-        let mut heartbeat = heartbeat::Producer::OFF;
-        heartbeat.set_period_ms(parameter(&values, HEARTBEAT_TIME, 0).unwrap_or(0));
-        Self {
+        let mut node = Self {
             node_id,
             settings,
             state: State::Initialising,
-            heartbeat,
-            guarded: Guarded::new(&values),
-            monitored: heartbeat::Consumers::new(&values),
+            heartbeat: heartbeat::Producer::OFF,
+            guarded: Guarded::OFF,
+            monitored: heartbeat::Consumers::OFF,
             device_errors: 0,
             bus: BusState::Active,
-            sync: Sync::new(&values),
-            time: time::consumed(&values),
-            emergencies: emcy::Producer::new(node_id, &values),
+            sync: Sync::OFF,
+            time: CanId::NONE,
+            emergencies: emcy::Producer::OFF,
             sdo: sdo::Server::default(),
             lss: None,
             rpdos: Rpdos::new(&values),
@@ -190,7 +188,9 @@ impl<const LEN: usize> Node<LEN> {
             filters_changed: false,
             events: Deque::new(),
             values,
-        }
+        };
+        node.configure();
+        node
     }
 
     /// Initialisation is done: sends the boot-up message and enters Pre-operational, from there
@@ -331,16 +331,16 @@ impl<const LEN: usize> Node<LEN> {
     pub fn accepts(&self) -> impl Iterator<Item = Accepted> {
         let data = |id| Accepted { id, remote: false };
         let remote = |id| Accepted { id, remote: true };
-        let guarding = self.guarded.as_ref().map(|_| Service::ErrorControl.id(self.node_id));
+        let guarding = self.guarded.is_served().then(|| Service::ErrorControl.id(self.node_id));
         [
-            Some(cob_id::NMT),
-            self.sync.as_ref().map(Sync::id),
+            cob_id::NMT,
+            self.sync.id(),
             self.time,
-            Some(Service::SdoRequest.id(self.node_id)),
-            self.settings.lss.map(|_| lss::REQUEST),
+            Service::SdoRequest.id(self.node_id),
+            self.settings.lss.map_or(CanId::NONE, |_| lss::REQUEST),
         ]
         .into_iter()
-        .flatten()
+        .filter(|&id| id != CanId::NONE)
         .chain(self.monitored.ids())
         .chain(self.rpdos.ids())
         .map(data)
@@ -447,8 +447,8 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_remote(now, id);
         } else if id == Service::SdoRequest.id(self.node_id) {
             self.handle_sdo(now, frame, application);
-        } else if let Some(sync) = self.sync.as_mut().filter(|sync| sync.id() == id) {
-            match sync.receive(frame) {
+        } else if id == self.sync.id() {
+            match self.sync.receive(frame) {
                 sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
                 sync::Received::UnexpectedLength => {
                     self.say(self.settings.receive_errors.sync_length);
@@ -467,7 +467,7 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_nmt(now, frame);
         } else if Service::ErrorControl.has(id) {
             self.handle_heartbeat(now, frame);
-        } else if self.time == Some(id) {
+        } else if self.time == id {
             self.handle_time(frame);
         } else if let Some(slave) = &mut self.lss {
             let reaction = slave.handle_frame(frame);
@@ -487,13 +487,12 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2).
     fn handle_guarding(&mut self, now: Instant) {
-        let Some(guarded) = self.guarded.as_mut().filter(|_| !self.heartbeat.is_on()) else {
+        if !self.guarded.is_served() || self.heartbeat.is_on() {
             return;
-        };
-        let request = guarded.handle(now);
-        let answer = guarded.answer(self.state.heartbeat_byte());
-        let due_at = guarded.due_at();
-        self.wake_by(due_at);
+        }
+        let request = self.guarded.handle(now);
+        let answer = self.guarded.answer(self.state.heartbeat_byte());
+        self.wake_by(self.guarded.due_at());
         self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), answer));
         match request {
             guarding::Request::Recovered => {
@@ -607,7 +606,7 @@ impl<const LEN: usize> Node<LEN> {
             self.take_over_waiting(now, application);
         }
         self.tpdos.handle_sync(counter, &self.values, &mut self.outbox);
-        if let Some(window_ends_at) = self.sync.as_mut().and_then(|sync| sync.open_window(now)) {
+        if let Some(window_ends_at) = self.sync.open_window(now) {
             self.wake_by(window_ends_at);
         }
     }
@@ -628,7 +627,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn produce_sync(&mut self, now: Instant, application: &mut impl Application) {
-        if let Some((frame, counter)) = self.sync.as_mut().and_then(|sync| sync.take_due(now)) {
+        if let Some((frame, counter)) = self.sync.take_due(now) {
             self.outbox.supersede(frame);
             self.handle_sync(now, counter, application);
         }
@@ -636,7 +635,7 @@ impl<const LEN: usize> Node<LEN> {
 
     /// PDOs that did not go out in the window of their SYNC are late.
     fn end_sync_window(&mut self, now: Instant) {
-        if self.sync.as_mut().is_some_and(|sync| sync.take_window_end(now)) {
+        if self.sync.take_window_end(now) {
             let tpdos = &self.tpdos;
             self.outbox.retain(&mut |frame| !tpdos.send_with_sync(frame.id()));
         }
@@ -658,8 +657,7 @@ impl<const LEN: usize> Node<LEN> {
         if self.state != State::Operational {
             return;
         }
-        let late = self.sync.as_ref().is_some_and(Sync::is_window_over);
-        if late && self.rpdos.waits_for_sync(position) {
+        if self.sync.is_window_over() && self.rpdos.waits_for_sync(position) {
             return;
         }
         let Self { values, tpdos, rpdos, .. } = self;
@@ -711,7 +709,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn give_up_master(&mut self, now: Instant) {
-        if self.guarded.as_mut().is_some_and(|guarded| guarded.take_due(now)) {
+        if self.guarded.take_due(now) {
             self.report(Event::GuardingLost);
             self.lose_partner(now);
         }
@@ -729,8 +727,8 @@ impl<const LEN: usize> Node<LEN> {
 
     fn update_error_register(&mut self, now: Instant) {
         let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
-        let master_lost = self.guarded.as_ref().is_some_and(Guarded::is_lost);
-        let disturbed = master_lost || self.monitored.is_any_lost() || self.bus.is_impaired();
+        let disturbed =
+            self.guarded.is_lost() || self.monitored.is_any_lost() || self.bus.is_impaired();
         let own = if disturbed { COMMUNICATION_ERROR } else { 0 };
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
         self.set_value(now, slot, after);
@@ -794,15 +792,11 @@ impl<const LEN: usize> Node<LEN> {
                 }
             });
         }
-        if !to.serves_sdo() {
+        if to.serves_sdo() {
+            self.sync.start(now);
+        } else {
             self.sdo.stop();
-        }
-        if let Some(sync) = &mut self.sync {
-            match (from.serves_sdo(), to.serves_sdo()) {
-                (false, true) => sync.start(now),
-                (true, false) => sync.stop(),
-                (true, true) | (false, false) => {}
-            }
+            self.sync.stop();
         }
         self.report(Event::StateChanged { from, to });
     }
@@ -812,12 +806,8 @@ impl<const LEN: usize> Node<LEN> {
         self.state = State::Initialising;
         self.heartbeat.stop();
         self.monitored.stop();
-        if let Some(guarded) = &mut self.guarded {
-            guarded.stop();
-        }
-        if let Some(sync) = &mut self.sync {
-            sync.stop();
-        }
+        self.guarded.stop();
+        self.sync.stop();
         self.screen = Screen::CLOSED;
         self.wake_at = Deadline::NEVER;
         self.sdo.stop();
@@ -862,14 +852,26 @@ impl<const LEN: usize> Node<LEN> {
             self.wake_by(self.tpdos.due_at());
         }
         match self.values.dictionary().row(slot) {
-            Some(row) if row.id.index < 0x2000 => self.follow_parameter(now, row.id, slot),
+            Some(row) if row.id.index < 0x2000 => self.follow_parameter(now, row.id),
             Some(_) | None => {}
         }
     }
 
+    /// Takes all values over that services follow.
+    fn configure(&mut self) {
+        for sub in (1..).take(CONSUMERS_MAX) {
+            self.monitored.reread(sub, &self.values);
+        }
+        for index in
+            [sync::COB_ID, time::COB_ID, guarding::GUARD_TIME, HEARTBEAT_TIME, emcy::COB_ID]
+        {
+            self.follow_parameter(Instant::ZERO, ObjectId { index, sub: 0 });
+        }
+        (self.has_news, self.filters_changed) = (false, false);
+    }
+
     #[inline(never)]
-    fn follow_parameter(&mut self, now: Instant, object: ObjectId, slot: Slot) {
-        let raw = self.values.raw(slot);
+    fn follow_parameter(&mut self, now: Instant, object: ObjectId) {
         match object.index {
             0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(now),
             0x1012 => {
@@ -877,17 +879,14 @@ impl<const LEN: usize> Node<LEN> {
                 self.change_filters();
             }
             0x100C | 0x100D => {
-                if let Some(guarded) = &mut self.guarded {
-                    guarded.reread(&self.values);
-                }
+                self.guarded.reread(&self.values);
                 self.update_error_register(now);
             }
-            0x1017 => {
-                self.heartbeat.set_period_ms(raw);
-                if self.heartbeat.is_on()
-                    && let Some(guarded) = &mut self.guarded
-                {
-                    guarded.stop();
+            HEARTBEAT_TIME => {
+                let period_ms = parameter(&self.values, HEARTBEAT_TIME, 0).unwrap_or(0);
+                self.heartbeat.set_period_ms(period_ms);
+                if self.heartbeat.is_on() {
+                    self.guarded.stop();
                     self.update_error_register(now);
                 }
                 match self.state {
@@ -903,7 +902,7 @@ impl<const LEN: usize> Node<LEN> {
                 }
                 self.update_error_register(now);
             }
-            0x1014 | 0x1015 => self.emergencies.reread(now, &self.values),
+            0x1014 | 0x1015 => self.emergencies.reread(now, self.node_id, &self.values),
             index @ 0x1400..=0x17FF => self.reread_rpdo(index),
             index @ 0x1800..=0x1BFF => self.reread_tpdo(now, index),
             _ => {}
@@ -912,13 +911,12 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn reread_sync(&mut self, now: Instant) {
-        let Some(sync) = &mut self.sync else { return };
-        let before = sync.id();
-        sync.reread(&self.values);
+        let before = self.sync.id();
+        self.sync.reread(&self.values);
         if self.state.serves_sdo() {
-            sync.resume(now);
+            self.sync.start(now);
         }
-        if sync.id() != before {
+        if self.sync.id() != before {
             self.change_filters();
         }
     }
@@ -964,15 +962,13 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Looks for what is due next.
     fn schedule(&mut self) {
-        let sync = self.sync.as_ref().map_or(Deadline::NEVER, Sync::due_at);
-        let guarding = self.guarded.as_ref().map_or(Deadline::NEVER, Guarded::due_at);
         self.wake_at = [
             self.sdo.poll_timeout().into(),
             self.heartbeat.due_at(),
             self.monitored.due_at(),
-            guarding,
+            self.guarded.due_at(),
             self.emergency_due_at(),
-            sync,
+            self.sync.due_at(),
             self.rpdos.due_at(),
             self.tpdos.due_at(),
         ]

@@ -25,6 +25,7 @@ pub(crate) const OVERFLOW: u16 = 0x1019;
 /// A product without 0x1019 takes a SYNC with a counter as one without.
 #[derive(Debug)]
 pub(crate) struct Sync {
+    /// None without 0x1005.
     id: CanId,
     lengths: Lengths,
     /// The counter of the last SYNC produced; 0 before the first.
@@ -68,57 +69,51 @@ pub(crate) enum Received {
 }
 
 impl Sync {
-    /// `None` when the product has no 0x1005.
-    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Option<Self> {
+    /// As in a product without its objects.
+    pub(crate) const OFF: Self = Self {
+        id: CanId::NONE,
+        lengths: Lengths::NoneOrOne,
+        counter: 0,
+        period: Duration::ZERO,
+        due_at: Deadline::NEVER,
+        window: Duration::ZERO,
+        window_ends_at: Deadline::NEVER,
+        is_window_over: false,
+        length: Length::Expected,
+    };
+
+    pub(crate) const fn id(&self) -> CanId {
+        self.id
+    }
+
+    /// Takes its objects over. A producer that is to produce otherwise stands still until
+    /// [`Self::start`].
+    pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
         let value = |index| parameter(values, index, 0);
-        let cob_id = CobId::from_raw(value(COB_ID)?);
+        let Some(cob_id) = value(COB_ID).map(CobId::from_raw) else { return };
         let microseconds = |index| Duration::from_micros(u64::from(value(index).unwrap_or(0)));
         let lengths = match value(OVERFLOW).map(u32::to_le_bytes) {
             None => Lengths::NoneOrOne,
             Some([0, ..]) => Lengths::None,
             Some([overflow, ..]) => Lengths::Counter { overflow },
         };
-        Some(Self {
-            id: cob_id.can_id(),
-            lengths,
-            counter: 0,
-            period: if cob_id.generates() { microseconds(PERIOD) } else { Duration::ZERO },
-            due_at: Deadline::NEVER,
-            window: microseconds(WINDOW),
-            window_ends_at: Deadline::NEVER,
-            is_window_over: false,
-            length: Length::Expected,
-        })
-    }
-
-    pub(crate) const fn id(&self) -> CanId {
-        self.id
-    }
-
-    /// Takes its objects over again. A producer that is to produce otherwise stands still until
-    /// [`Self::resume`].
-    pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let Some(again) = Self::new(values) else { return };
-        let kind = |sync: &Self| (sync.id, sync.lengths, sync.period);
-        if kind(self) == kind(&again) {
-            self.window = again.window;
-            self.close_window();
-        } else {
-            *self = again;
+        let period = if cob_id.generates() { microseconds(PERIOD) } else { Duration::ZERO };
+        let kind = (cob_id.can_id(), lengths, period);
+        if kind != (self.id, self.lengths, self.period) {
+            (self.id, self.lengths, self.period) = kind;
+            self.due_at = Deadline::NEVER;
+            self.length = Length::Expected;
         }
+        self.window = microseconds(WINDOW);
+        self.close_window();
     }
 
     /// Starts a producer that stands still.
-    pub(crate) fn resume(&mut self, now: Instant) {
-        if self.due_at == Deadline::NEVER {
-            self.start(now);
-        }
-    }
-
-    /// Starts the count of the producer.
     pub(crate) fn start(&mut self, now: Instant) {
-        self.counter = 0;
-        self.due_at = Deadline::after(now, self.period);
+        if self.due_at == Deadline::NEVER {
+            self.counter = 0;
+            self.due_at = Deadline::after(now, self.period);
+        }
     }
 
     /// Produces nothing, and no window is open.

@@ -16,10 +16,10 @@ pub struct TimeOfDay {
     pub days: u16,
 }
 
-/// The identifier that a TIME consumer listens to (CiA 301, section 7.2.6; object 0x1012): while bit
-/// 31 is set.
-pub(crate) fn consumed<const LEN: usize>(values: &Values<LEN>) -> Option<CanId> {
-    CobId::from_raw(parameter(values, COB_ID, 0)?).consumed()
+/// The identifier that a TIME consumer listens to (CiA 301, section 7.2.6; object 0x1012): none
+/// unless bit 31 is set.
+pub(crate) fn consumed<const LEN: usize>(values: &Values<LEN>) -> CanId {
+    CobId::from_raw(parameter(values, COB_ID, 0).unwrap_or(0)).consumed()
 }
 
 impl TimeOfDay {

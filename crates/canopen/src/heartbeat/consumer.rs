@@ -45,15 +45,10 @@ pub(crate) enum Heard {
 }
 
 impl Consumers {
-    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Self {
-        let mut consumers = Self { entries: [None; CONSUMERS_MAX] };
-        for (entry, sub) in consumers.entries.iter_mut().zip(1..) {
-            *entry = consumer(values, sub);
-        }
-        consumers
-    }
+    /// Nothing is monitored.
+    pub(crate) const OFF: Self = Self { entries: [None; CONSUMERS_MAX] };
 
-    /// Takes an entry over again. Whether another producer is listened to.
+    /// Takes an entry over. Whether another producer is listened to.
     pub(crate) fn reread<const LEN: usize>(&mut self, sub: u8, values: &Values<LEN>) -> bool {
         let place = usize::from(sub).checked_sub(1);
         let Some(entry) = place.and_then(|place| self.entries.get_mut(place)) else { return false };
