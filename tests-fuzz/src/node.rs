@@ -264,7 +264,7 @@ impl<const LEN: usize> Watch<LEN> {
                 let position = bytes.u16()? % LEN as u16;
                 let slot = Slot::at(self.subject.dictionary, position)?;
                 let raw = bytes.u32()?;
-                if !self.is_the_products(self.subject.dictionary.row(slot)?.id) {
+                if !self.is_the_products(self.subject.dictionary.row(slot)?.id()) {
                     return Some(Step::Advance { us: u64::from(raw % 2_000) });
                 }
                 Step::Set { slot, raw }
@@ -314,7 +314,7 @@ impl<const LEN: usize> Watch<LEN> {
         let rows = self.subject.dictionary.rows();
         let object = match bytes.u16()? {
             other @ 0xF000.. => ObjectId { index: 0x1000 + (other & 0xFFF), sub: any },
-            known => rows[usize::from(known) % rows.len()].id,
+            known => rows[usize::from(known) % rows.len()].id(),
         };
         let (small, now) = (u32::from(bytes.u8()?), self.value(object).unwrap_or(0));
         let value = match bytes.u8()? % 8 {
@@ -422,8 +422,8 @@ impl<const LEN: usize> Watch<LEN> {
                 panic!("an object that is not there: {answer:02X?}")
             };
             let row = self.subject.dictionary.row(slot).unwrap();
-            if !is_text(row.data_type) {
-                let len = row.data_type.len();
+            if !is_text(row.data_type()) {
+                let len = row.data_type().len();
                 let raw = self.node.values().raw(slot).to_le_bytes();
                 assert_eq!((&value[..len], 4 - len), (&raw[..len], usize::from(command >> 2 & 3)));
             }
@@ -631,8 +631,8 @@ impl<const LEN: usize> Watch<LEN> {
     /// What a master cannot write is not there.
     fn check_values(&self) {
         for (slot, row) in self.subject.dictionary.slots() {
-            if row.pdo == PdoMapping::Receive {
-                assert!(row.permits(self.node.values().raw(slot)), "{:?}", row.id);
+            if row.pdo() == PdoMapping::Receive {
+                assert!(row.permits(self.node.values().raw(slot)), "{:?}", row.id());
             }
         }
     }
@@ -643,7 +643,7 @@ impl<const LEN: usize> Watch<LEN> {
         if self.subject.settings.lss.is_some() {
             ids.insert(LSS_RESPONSE);
         }
-        let rows = self.subject.dictionary.rows().iter().map(|row| row.id);
+        let rows = self.subject.dictionary.rows().iter().map(|row| row.id());
         let cob_ids = rows
             .filter(|id| id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1);
         ids.extend(cob_ids.filter_map(|id| valid(self.value(id)?)));

@@ -65,7 +65,7 @@ impl Parameters {
     /// Whether a master may write `raw` to an entry.
     pub(crate) fn check(&self, id: ObjectId, raw: u32) -> Result<(), Rejected> {
         let (_, row) = self.find(id)?;
-        match row.access {
+        match row.access() {
             Access::ReadOnly => Err(Rejected::ReadOnly),
             Access::ReadWrite | Access::WriteOnly => {
                 if row.permits(raw) {
@@ -95,7 +95,7 @@ impl Parameters {
     pub(crate) fn restore_defaults(&mut self, kept: &[ObjectId]) {
         const NO_NODE_ID: u8 = 0;
         for (slot, row) in self.values.dictionary().slots() {
-            if stores(row) && !kept.contains(&row.id) {
+            if stores(row) && !kept.contains(&row.id()) {
                 self.change_raw(slot, row, row.initial(NO_NODE_ID));
             }
         }
@@ -112,7 +112,7 @@ impl Parameters {
     pub(crate) fn poll_store(&mut self) -> Option<(u32, u32)> {
         let slot = self.unstored.take_first(self.values.dictionary())?;
         let row = self.values.dictionary().row(slot)?;
-        Some((row.id.key(), self.values.raw(slot)))
+        Some((row.id().key(), self.values.raw(slot)))
     }
 
     /// The next values to tell: the position of the first row and the values from there.
@@ -144,7 +144,7 @@ impl Parameters {
     /// From the first row of this controller to the end of the dictionary.
     pub(crate) fn own_rows(&self) -> Range<u16> {
         let rows = self.values.dictionary().rows();
-        let first = rows.iter().position(|row| row.owner == Owner::Application);
+        let first = rows.iter().position(|row| row.owner() == Owner::Application);
         position(first.unwrap_or(rows.len()))..position(rows.len())
     }
 
@@ -152,7 +152,7 @@ impl Parameters {
         let dictionary = self.values.dictionary();
         let slot = dictionary.find(id).map_err(|_| Rejected::Missing)?;
         let row = dictionary.row(slot).ok_or(Rejected::Missing)?;
-        match row.owner {
+        match row.owner() {
             Owner::Application => Ok((slot, row)),
             Owner::Interface => Err(Rejected::ForeignOwner),
         }
@@ -176,7 +176,7 @@ impl Parameters {
 
 /// Whether this controller stores the value of a row.
 fn stores(row: &Row) -> bool {
-    match (row.storage, row.owner) {
+    match (row.storage(), row.owner()) {
         (Storage::AtOnce, Owner::Application) => true,
         (Storage::Volatile | Storage::OnCommand, Owner::Application)
         | (Storage::Volatile | Storage::OnCommand | Storage::AtOnce, Owner::Interface) => false,

@@ -80,7 +80,7 @@ impl Pair {
             random: seed | 1,
             starts: 2,
             storage: BTreeMap::new(),
-            permitted: parameters().map(|row| (row.id.key(), row.initial(0))).collect(),
+            permitted: parameters().map(|row| (row.id().key(), row.initial(0))).collect(),
             answers: Vec::new(),
         }
     }
@@ -142,7 +142,7 @@ impl Pair {
             self.to_application.send(self.now, &bytes);
         }
         while let Some((key, value)) = self.application.poll_store() {
-            let is_parameter = parameters().any(|row| row.id.key() == key);
+            let is_parameter = parameters().any(|row| row.id().key() == key);
             assert!(!is_parameter || self.permitted.contains(&(key, value)), "{key:#x}: {value}");
             self.storage.insert(key, value);
         }
@@ -176,7 +176,7 @@ impl Pair {
     }
 
     fn read(&mut self, row: &Row) -> Option<u32> {
-        let [command, _, _, _, data @ ..] = self.transfer(0x40, row.id.index, row.id.sub, 0)?;
+        let [command, _, _, _, data @ ..] = self.transfer(0x40, row.id().index, row.id().sub, 0)?;
         (command != 0x80).then_some(u32::from_le_bytes(data))
     }
 
@@ -224,7 +224,7 @@ fn parameters() -> impl Iterator<Item = &'static Row> {
     nm172::DICTIONARY
         .rows()
         .iter()
-        .filter(|row| row.owner == Owner::Application && row.storage == Storage::AtOnce)
+        .filter(|row| row.owner() == Owner::Application && row.storage() == Storage::AtOnce)
 }
 
 fn any_event() -> impl Strategy<Value = Event> {
@@ -275,8 +275,8 @@ proptest! {
         pair.run(SETTLING_MS);
         prop_assert!(pair.application.in_service());
         for row in parameters() {
-            let stored = pair.storage.get(&row.id.key()).copied().unwrap_or(row.initial(0));
-            prop_assert_eq!(pair.read(row), Some(stored), "{:?}", row.id);
+            let stored = pair.storage.get(&row.id().key()).copied().unwrap_or(row.initial(0));
+            prop_assert_eq!(pair.read(row), Some(stored), "{:?}", row.id());
         }
     }
 }

@@ -852,7 +852,7 @@ impl<const LEN: usize> Node<LEN> {
             self.wake_by(self.tpdos.due_at());
         }
         match self.values.dictionary().row(slot) {
-            Some(row) if row.id.index < 0x2000 => self.follow_parameter(now, row.id),
+            Some(row) if row.id().index < 0x2000 => self.follow_parameter(now, row.id()),
             Some(_) | None => {}
         }
     }

@@ -218,7 +218,7 @@ impl Application for Device {
     const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
 
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
-        (row.id == BLOB.id()).then_some(&self.blob)
+        (row.id() == BLOB.id()).then_some(&self.blob)
     }
 
     fn write_text(&mut self, _slot: Slot, _row: &Row, text: &[u8]) -> Result<(), WriteError> {

@@ -111,7 +111,7 @@ impl Interface {
             in_service: false,
         };
         let rows = product.dictionary.rows();
-        let first = rows.iter().position(|row| row.owner == Owner::Application).unwrap_or(0);
+        let first = rows.iter().position(|row| row.owner() == Owner::Application).unwrap_or(0);
         let rows = position(first)..position(rows.len());
         let (mut set, mut node_id, mut bit_rate) = (Set::default(), DELIVERED_NODE_ID, None);
         for (key, value) in stored {
@@ -412,8 +412,8 @@ impl Interface {
         self.end_offer();
         self.link.set_node_id(node_id.get());
         for (slot, row) in self.product.dictionary.slots() {
-            let kept = row.id.index >= 0x2000 || row.id.index == ERROR_FIELD;
-            if kept || row.id == SERIAL_NUMBER.id() || row.id == STATUS_REGISTER.id() {
+            let kept = row.id().index >= 0x2000 || row.id().index == ERROR_FIELD;
+            if kept || row.id() == SERIAL_NUMBER.id() || row.id() == STATUS_REGISTER.id() {
                 self.node.set_value(Instant::ZERO, slot, before.values().raw(slot));
             }
         }
@@ -435,8 +435,8 @@ impl Interface {
         for (position, &value) in (from..).zip(values) {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
-                Some(row) if row.owner != Owner::Application || self.slots.is_live(slot) => {}
-                Some(row) if self.link.is_writing(row.id) => {}
+                Some(row) if row.owner() != Owner::Application || self.slots.is_live(slot) => {}
+                Some(row) if self.link.is_writing(row.id()) => {}
                 Some(row) if is_plausible(row, value) => self.node.set_value(now, slot, value),
                 Some(_) => self.send(link::Fault::CorruptValue.into()),
                 None => break,
@@ -494,7 +494,7 @@ impl Interface {
 /// Whether the application controller may say this of an object: of a parameter what masters may
 /// write, and of its state anything.
 fn is_plausible(row: &Row, value: u32) -> bool {
-    row.access != Access::ReadWrite || COMMANDS.contains(&row.id) || row.permits(value)
+    row.access() != Access::ReadWrite || COMMANDS.contains(&row.id()) || row.permits(value)
 }
 
 fn position(count: usize) -> u16 {

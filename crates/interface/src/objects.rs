@@ -70,18 +70,18 @@ impl Objects<'_> {
         row: &Row,
         raw: u32,
     ) -> Result<Written, WriteError> {
-        if row.id == PRESET.id() && !self.known.scaling {
+        if row.id() == PRESET.id() && !self.known.scaling {
             return Err(WriteError::Failed);
         }
-        let queued = if row.id == POSITIONING_COMMAND.id() && raw == 0 {
+        let queued = if row.id() == POSITIONING_COMMAND.id() && raw == 0 {
             self.stop()
         } else {
-            let queued = self.link.write(row.id, raw, kind(row.id));
+            let queued = self.link.write(row.id(), raw, kind(row.id()));
             queued.inspect(|()| self.message.note_write())
         };
         self.note_queued(queued)?;
         self.outcome = Outcome::ApplicationWritten(slot);
-        Ok(if COMMANDS.contains(&row.id) { Written::Ignored } else { Written::Taken })
+        Ok(if COMMANDS.contains(&row.id()) { Written::Ignored } else { Written::Taken })
     }
 
     /// A stop does not wait for its turn (NM17x LINK-07).
@@ -118,26 +118,26 @@ impl Application for Objects<'_> {
         let known = if self.slots.is_live(slot) {
             self.link.in_service()
         } else {
-            row.owner == Owner::Interface || self.known.values
+            row.owner() == Owner::Interface || self.known.values
         };
         if known { Ok(()) } else { Err(ReadError::NoData) }
     }
 
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
-        self.message.text().filter(|_| row.id == DISPLAY_MESSAGE.id())
+        self.message.text().filter(|_| row.id() == DISPLAY_MESSAGE.id())
     }
 
     fn write(&mut self, slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
-        match (row.owner, row.storage) {
+        match (row.owner(), row.storage()) {
             (Owner::Application, _) => return self.write_application(slot, row, raw),
             (Owner::Interface, Storage::AtOnce) => {
-                self.outcome = Outcome::Store(Record { key: row.id.key(), value: raw });
+                self.outcome = Outcome::Store(Record { key: row.id().key(), value: raw });
             }
             (Owner::Interface, Storage::Volatile | Storage::OnCommand) => {}
         }
         self.message.end(self.link);
         // What TxPDO2 returns follows the correction alone.
-        let ignored = row.id == PDO_SETPOINT_CORRECTION_SENT.id();
+        let ignored = row.id() == PDO_SETPOINT_CORRECTION_SENT.id();
         Ok(if ignored { Written::Ignored } else { Written::Taken })
     }
 

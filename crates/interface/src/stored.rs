@@ -26,7 +26,7 @@ impl Set {
         let mut set = Self::default();
         set.add(SAVED_UNDER, node.node_id().get().into());
         for (slot, row) in values.dictionary().slots().filter(|(_, row)| is_in_set(row)) {
-            set.add(row.id.key(), values.raw(slot));
+            set.add(row.id().key(), values.raw(slot));
         }
         set
     }
@@ -69,7 +69,7 @@ impl Set {
 }
 
 fn is_in_set(row: &Row) -> bool {
-    row.owner == Owner::Interface && row.storage == Storage::OnCommand
+    row.owner() == Owner::Interface && row.storage() == Storage::OnCommand
 }
 
 fn row_of(key: u32, dictionary: &Dictionary) -> Option<(Slot, &'static Row)> {

@@ -61,7 +61,7 @@ impl Dictionary {
         while let [row, rest @ ..] = left {
             check(row);
             if let [next, ..] = rest {
-                assert!(row.id.key() < next.id.key(), "rows are not in ascending order");
+                assert!(row.id().key() < next.id().key(), "rows are not in ascending order");
             }
             left = rest;
         }
@@ -82,10 +82,10 @@ impl Dictionary {
         let place = hash(id.index, self.multiplier, self.firsts.len());
         let first = self.firsts.get(place).copied().unwrap_or(VACANT);
         match self.rows.get(usize::from(first)) {
-            Some(row) if row.id.index == id.index => {
+            Some(row) if row.index == id.index => {
                 let slot = Slot(first + u16::from(id.sub));
                 match self.row(slot) {
-                    Some(row) if row.id == id => Ok(slot),
+                    Some(row) if row.id() == id => Ok(slot),
                     Some(_) | None => self.search(first, id),
                 }
             }
@@ -97,8 +97,8 @@ impl Dictionary {
     #[cold]
     fn search(&self, first: u16, id: ObjectId) -> Result<Slot, Missing> {
         let rows = self.rows.get(usize::from(first)..).unwrap_or(&[]);
-        let entries = rows.iter().take_while(|row| row.id.index == id.index);
-        let found = (first..).zip(entries).find(|(_, row)| row.id.sub == id.sub);
+        let entries = rows.iter().take_while(|row| row.index == id.index);
+        let found = (first..).zip(entries).find(|(_, row)| row.sub == id.sub);
         found.map(|(position, _)| Slot(position)).ok_or(Missing::SubIndex)
     }
 
@@ -109,7 +109,7 @@ impl Dictionary {
         let mut slot = Slot(0);
         let mut left = self.rows;
         while let [row, rest @ ..] = left {
-            if row.id.key() == object.id().key() {
+            if row.id().key() == object.id().key() {
                 return slot;
             }
             slot.0 += 1;
@@ -138,9 +138,9 @@ pub const fn fingerprint(rows: &[Row]) -> u32 {
     let mut hash = 0x811C_9DC5;
     let mut left = rows;
     while let [row, rest @ ..] = left {
-        hash = mix(hash, row.id.key());
-        hash = mix(hash, (row.data_type.len() as u32) << 16 | access_word(row));
-        hash = mix(hash, (row.storage as u32) << 8 | row.owner as u32);
+        hash = mix(hash, row.id().key());
+        hash = mix(hash, (row.data_type().len() as u32) << 16 | access_word(row));
+        hash = mix(hash, (row.storage() as u32) << 8 | row.owner() as u32);
         hash = match row.default() {
             Default::Number(value) => mix(hash, value),
             Default::NodeIdPlus(base) => mix(mix(hash, base), 1),
@@ -171,7 +171,7 @@ impl<const LEN: usize> Places<LEN> {
         let mut at = rows.len();
         while at > 0 {
             at -= 1;
-            firsts[hash(rows[at].id.index, multiplier, LEN)] = at as u16;
+            firsts[hash(rows[at].index, multiplier, LEN)] = at as u16;
         }
         Self { firsts, multiplier }
     }
@@ -192,8 +192,8 @@ const fn spread(rows: &[Row]) -> (usize, u32) {
     let mut count = 0;
     let mut at = 0;
     while at < rows.len() {
-        if at == 0 || rows[at - 1].id.index != rows[at].id.index {
-            indices[count] = rows[at].id.index;
+        if at == 0 || rows[at - 1].index != rows[at].index {
+            indices[count] = rows[at].index;
             count += 1;
         }
         at += 1;
@@ -229,23 +229,23 @@ const fn hash(index: u16, multiplier: u32, len: usize) -> usize {
 }
 
 const fn access_word(row: &Row) -> u32 {
-    (row.write_state as u32) << 8 | row.access as u32
+    (row.write_state() as u32) << 8 | row.access() as u32
 }
 
 /// A value that may be written but is not stored answers with a state of the device, which may
 /// differ from what commands it: a drive at rest reads 0 and takes a direction.
 const fn check(row: &Row) {
     let answers_with_state =
-        matches!((row.access, row.storage), (Access::ReadWrite, Storage::Volatile));
-    if matches!(row.access, Access::WriteOnly) || answers_with_state {
+        matches!((row.access(), row.storage()), (Access::ReadWrite, Storage::Volatile));
+    if matches!(row.access(), Access::WriteOnly) || answers_with_state {
         return;
     }
-    if matches!(row.access, Access::ReadOnly) {
-        let in_some_state = matches!(row.write_state, WriteState::PreOperational);
+    if matches!(row.access(), Access::ReadOnly) {
+        let in_some_state = matches!(row.write_state(), WriteState::PreOperational);
         assert!(!in_some_state, "written, but read only");
     }
     if let Default::Number(value) = row.default() {
-        let number = row.data_type.number(value);
+        let number = row.data_type().number(value);
         let limits = row.limits();
         let mut fits = limits.min <= number && number <= limits.max;
         let mut also = limits.also;
@@ -311,8 +311,8 @@ mod tests {
         for index in 0..=u16::MAX {
             for sub in [0, 1, 2, 255] {
                 let id = ObjectId { index, sub };
-                let position = DICTIONARY.slots().find(|(_, row)| row.id == id);
-                let known = DICTIONARY.rows().iter().any(|row| row.id.index == index);
+                let position = DICTIONARY.slots().find(|(_, row)| row.id() == id);
+                let known = DICTIONARY.rows().iter().any(|row| row.index == index);
                 let missing = if known { Missing::SubIndex } else { Missing::Object };
                 let expected = position.map(|(slot, _)| slot).ok_or(missing);
                 assert_eq!(DICTIONARY.find(id), expected, "{id:?}");

@@ -1,7 +1,8 @@
 use core::marker::PhantomData;
 
 use crate::row::{
-    Access, DataType, ObjectId, Owner, Particulars, PdoMapping, Row, Start, Storage, WriteState,
+    Access, DataType, Default, ObjectId, Owner, Particulars, PdoMapping, Rights, Row, Start,
+    Storage, WriteState,
 };
 
 /// A Rust type that an entry can hold.
@@ -107,7 +108,12 @@ pub struct Text {
 /// An entry of a dictionary and the typed key to its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Object<T> {
-    row: Row,
+    id: ObjectId,
+    access: Access,
+    write_state: WriteState,
+    storage: Storage,
+    owner: Owner,
+    pdo: PdoMapping,
     particulars: Particulars,
     text: Text,
     value: PhantomData<fn() -> T>,
@@ -119,28 +125,23 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn new(index: u16, sub: u8, name: &'static str) -> Self {
         Self {
-            row: Row {
-                id: ObjectId { index, sub },
-                data_type: T::DATA_TYPE,
-                access: Access::ReadOnly,
-                write_state: WriteState::Any,
-                storage: Storage::Volatile,
-                owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
-                pdo: PdoMapping::No,
-                start: Start::Number,
-                number: 0,
-                particulars: None,
-            },
+            id: ObjectId { index, sub },
+            access: Access::ReadOnly,
+            write_state: WriteState::Any,
+            storage: Storage::Volatile,
+            owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
+            pdo: PdoMapping::No,
             particulars: Self::plain(),
             text: Text { name, unit: Unit::None, listing: Listing::Everywhere },
             value: PhantomData,
         }
     }
 
-    /// All numbers of the type, and no text.
+    /// Zero, and all numbers of the type.
     const fn plain() -> Particulars {
         let (min, max) = T::DATA_TYPE.span();
-        Particulars { lowest: Self::rank(min), highest: Self::rank(max), also: &[], text: "" }
+        let (lowest, highest) = (Self::rank(min), Self::rank(max));
+        Particulars { default: Default::Number(0), lowest, highest, also: &[] }
     }
 
     #[expect(
@@ -155,42 +156,42 @@ impl<T: Value> Object<T> {
     /// Masters may read and write it.
     #[must_use]
     pub const fn read_write(mut self) -> Self {
-        self.row.access = Access::ReadWrite;
+        self.access = Access::ReadWrite;
         self
     }
 
     /// Masters may only write it.
     #[must_use]
     pub const fn write_only(mut self) -> Self {
-        self.row.access = Access::WriteOnly;
+        self.access = Access::WriteOnly;
         self
     }
 
     /// A master may write it in Pre-operational alone.
     #[must_use]
     pub const fn written_in_pre_operational(mut self) -> Self {
-        self.row.write_state = WriteState::PreOperational;
+        self.write_state = WriteState::PreOperational;
         self
     }
 
     /// A write with SDO is refused in every state as an access that is not supported.
     #[must_use]
     pub const fn not_written_with_sdo(mut self) -> Self {
-        self.row.write_state = WriteState::NotWithSdo;
+        self.write_state = WriteState::NotWithSdo;
         self
     }
 
     /// Saved when a master asks for it (0x1010).
     #[must_use]
     pub const fn stored_on_command(mut self) -> Self {
-        self.row.storage = Storage::OnCommand;
+        self.storage = Storage::OnCommand;
         self
     }
 
     /// Saved with every change.
     #[must_use]
     pub const fn stored_at_once(mut self) -> Self {
-        self.row.storage = Storage::AtOnce;
+        self.storage = Storage::AtOnce;
         self
     }
 
@@ -198,14 +199,14 @@ impl<T: Value> Object<T> {
     /// area.
     #[must_use]
     pub const fn held_by_interface(mut self) -> Self {
-        self.row.owner = Owner::Interface;
+        self.owner = Owner::Interface;
         self
     }
 
     /// PDOs may carry it.
     #[must_use]
     pub const fn mappable(mut self, pdo: PdoMapping) -> Self {
-        self.row.pdo = pdo;
+        self.pdo = pdo;
         self
     }
 
@@ -236,16 +237,14 @@ impl<T: Value> Object<T> {
     pub const fn default(mut self, value: i64) -> Self {
         let (lowest, highest) = T::DATA_TYPE.span();
         assert!(lowest <= value && value <= highest, "default outside the type");
-        self.row.start = Start::Number;
-        self.row.number = value as u32;
+        self.particulars.default = Default::Number(value as u32);
         self
     }
 
     /// The value at delivery follows the node-ID: `base` plus node-ID.
     #[must_use]
     pub const fn default_node_id_plus(mut self, base: u32) -> Self {
-        self.row.start = Start::NodeIdPlus;
-        self.row.number = base;
+        self.particulars.default = Default::NodeIdPlus(base);
         self
     }
 
@@ -253,8 +252,7 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn default_text(mut self, text: &'static str) -> Self {
         assert!(text.len() == T::DATA_TYPE.len(), "the text does not have the object's length");
-        self.row.start = Start::Text;
-        self.particulars.text = text;
+        self.particulars.default = Default::Text(text);
         self
     }
 
@@ -275,19 +273,31 @@ impl<T: Value> Object<T> {
     /// Index and sub-index.
     #[must_use]
     pub const fn id(&self) -> ObjectId {
-        self.row.id
+        self.id
     }
 
     /// The row of the table; [`row!`](crate::row) gives it what [`Self::particulars`] has.
     #[must_use]
     pub const fn row(&self, particulars: &'static Particulars) -> Row {
-        let Particulars { lowest, highest, also, text } = *particulars;
         let plain = Self::plain();
-        let needed = lowest != plain.lowest
-            || highest != plain.highest
-            || !also.is_empty()
-            || !text.is_empty();
-        Row { particulars: if needed { Some(particulars) } else { None }, ..self.row }
+        let is_limited = particulars.lowest != plain.lowest
+            || particulars.highest != plain.highest
+            || !particulars.also.is_empty();
+        let (data_type, owner) = (T::DATA_TYPE, self.owner);
+        Row {
+            index: self.id.index,
+            sub: self.id.sub,
+            rights: Rights::new(self.access, self.write_state, self.storage, self.pdo),
+            start: match particulars.default {
+                Default::Number(number) if !is_limited => Start::Number(data_type, owner, number),
+                Default::NodeIdPlus(base) if !is_limited => {
+                    Start::NodeIdPlus(data_type, owner, base)
+                }
+                Default::Number(_) | Default::NodeIdPlus(_) | Default::Text(_) => {
+                    Start::Particular(data_type, owner, particulars)
+                }
+            },
+        }
     }
 
     /// What goes beside the row.

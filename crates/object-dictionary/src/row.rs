@@ -115,48 +115,39 @@ pub enum OutOfLimits {
     Beside,
 }
 
-/// One entry of a dictionary, as an image needs it: 20 bytes on a controller of 32 bits, and more
+/// One entry of a dictionary, as an image needs it: 12 bytes on a controller of 32 bits, and more
 /// only where there are [`Particulars`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Index and sub-index.
-    pub id: ObjectId,
-    /// Type of the value.
-    pub data_type: DataType,
-    /// What a master may do with it.
-    pub access: Access,
-    /// When a master may write it.
-    pub write_state: WriteState,
-    /// Where it survives.
-    pub storage: Storage,
-    /// Who holds it.
-    pub owner: Owner,
-    /// Whether PDOs may carry it.
-    pub pdo: PdoMapping,
+    pub(crate) index: u16,
+    pub(crate) sub: u8,
+    pub(crate) rights: Rights,
     pub(crate) start: Start,
-    pub(crate) number: u32,
-    pub(crate) particulars: Option<&'static Particulars>,
 }
 
-/// How an entry starts.
+/// [`Access`], [`WriteState`], [`Storage`] and [`PdoMapping`], two bits each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rights(u8);
+
+/// How an entry starts. Type and owner lie in the bytes that the number leaves free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
-    /// With the number of the row.
-    Number,
-    /// With the number of the row plus the node-ID.
-    NodeIdPlus,
-    /// With the text of the particulars.
-    Text,
+    /// With this number.
+    Number(DataType, Owner, u32),
+    /// With this number plus the node-ID.
+    NodeIdPlus(DataType, Owner, u32),
+    /// As these say.
+    Particular(DataType, Owner, &'static Particulars),
 }
 
-/// What few rows have: limits narrower than their type, and a text at delivery.
+/// What few rows have: limits narrower than their type, or a text at delivery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Particulars {
+    pub(crate) default: Default,
     /// Ends of the main span, in the order of the type (see [`DataType::rank`]).
     pub(crate) lowest: u32,
     pub(crate) highest: u32,
     pub(crate) also: &'static [(i64, i64)],
-    pub(crate) text: &'static str,
 }
 
 impl ObjectId {
@@ -247,7 +238,85 @@ impl DataType {
     }
 }
 
+impl Rights {
+    pub(crate) const fn new(
+        access: Access,
+        write_state: WriteState,
+        storage: Storage,
+        pdo: PdoMapping,
+    ) -> Self {
+        Self(access as u8 | (write_state as u8) << 2 | (storage as u8) << 4 | (pdo as u8) << 6)
+    }
+}
+
 impl Row {
+    /// Index and sub-index.
+    #[must_use]
+    pub const fn id(&self) -> ObjectId {
+        ObjectId { index: self.index, sub: self.sub }
+    }
+
+    /// Type of the value.
+    #[must_use]
+    pub const fn data_type(&self) -> DataType {
+        match self.start {
+            Start::Number(data_type, ..)
+            | Start::NodeIdPlus(data_type, ..)
+            | Start::Particular(data_type, ..) => data_type,
+        }
+    }
+
+    /// What a master may do with it.
+    #[must_use]
+    pub const fn access(&self) -> Access {
+        match self.rights.0 & 3 {
+            0 => Access::ReadOnly,
+            1 => Access::WriteOnly,
+            _ => Access::ReadWrite,
+        }
+    }
+
+    /// When a master may write it.
+    #[must_use]
+    pub const fn write_state(&self) -> WriteState {
+        match self.rights.0 >> 2 & 3 {
+            0 => WriteState::Any,
+            1 => WriteState::PreOperational,
+            _ => WriteState::NotWithSdo,
+        }
+    }
+
+    /// Where it survives.
+    #[must_use]
+    pub const fn storage(&self) -> Storage {
+        match self.rights.0 >> 4 & 3 {
+            0 => Storage::Volatile,
+            1 => Storage::OnCommand,
+            _ => Storage::AtOnce,
+        }
+    }
+
+    /// Whether PDOs may carry it.
+    #[must_use]
+    pub const fn pdo(&self) -> PdoMapping {
+        match self.rights.0 >> 6 {
+            0 => PdoMapping::No,
+            1 => PdoMapping::Transmit,
+            2 => PdoMapping::Receive,
+            _ => PdoMapping::Both,
+        }
+    }
+
+    /// Who holds it.
+    #[must_use]
+    pub const fn owner(&self) -> Owner {
+        match self.start {
+            Start::Number(_, owner, _)
+            | Start::NodeIdPlus(_, owner, _)
+            | Start::Particular(_, owner, _) => owner,
+        }
+    }
+
     /// Whether a master may write the number `raw` holds.
     #[must_use]
     pub fn permits(&self, raw: u32) -> bool {
@@ -259,29 +328,27 @@ impl Row {
     /// # Errors
     /// Says where the number lies instead.
     pub fn check(&self, raw: u32) -> Result<(), OutOfLimits> {
-        match self.particulars {
-            Some(particulars) => particulars.check(self.data_type, raw),
-            None => Ok(()),
+        match self.start {
+            Start::Particular(data_type, _, particulars) => particulars.check(data_type, raw),
+            Start::Number(..) | Start::NodeIdPlus(..) => Ok(()),
         }
     }
 
     /// Whether all numbers of the type may be written.
     #[must_use]
     pub const fn is_unlimited(&self) -> bool {
-        self.particulars.is_none()
+        !matches!(self.start, Start::Particular(..))
     }
 
     /// The numbers that may be written.
     #[must_use]
     pub const fn limits(&self) -> Limits {
-        match self.particulars {
-            Some(&Particulars { lowest, highest, also, .. }) => Limits {
-                min: self.data_type.ranked(lowest),
-                max: self.data_type.ranked(highest),
-                also,
-            },
-            None => {
-                let (min, max) = self.data_type.span();
+        match self.start {
+            Start::Particular(data_type, _, &Particulars { lowest, highest, also, .. }) => {
+                Limits { min: data_type.ranked(lowest), max: data_type.ranked(highest), also }
+            }
+            Start::Number(data_type, ..) | Start::NodeIdPlus(data_type, ..) => {
+                let (min, max) = data_type.span();
                 Limits { min, max, also: &[] }
             }
         }
@@ -291,27 +358,28 @@ impl Row {
     #[must_use]
     pub const fn default(&self) -> Default {
         match self.start {
-            Start::Number => Default::Number(self.number),
-            Start::NodeIdPlus => Default::NodeIdPlus(self.number),
-            Start::Text => Default::Text(self.text()),
+            Start::Number(_, _, number) => Default::Number(number),
+            Start::NodeIdPlus(_, _, base) => Default::NodeIdPlus(base),
+            Start::Particular(_, _, particulars) => particulars.default,
         }
     }
 
     /// The text at delivery; an empty one where there is none.
     #[must_use]
     pub const fn text(&self) -> &'static str {
-        match self.particulars {
-            Some(particulars) => particulars.text,
-            None => "",
+        match self.default() {
+            Default::Text(text) => text,
+            Default::Number(_) | Default::NodeIdPlus(_) => "",
         }
     }
 
     /// The number an entry starts with on a device with this node-ID. Texts have none: zero.
     #[must_use]
     pub const fn initial(&self, node_id: u8) -> u32 {
-        match self.start {
-            Start::Number | Start::Text => self.number,
-            Start::NodeIdPlus => self.number + node_id as u32,
+        match self.default() {
+            Default::Number(number) => number,
+            Default::NodeIdPlus(base) => base + node_id as u32,
+            Default::Text(_) => 0,
         }
     }
 }
@@ -333,4 +401,4 @@ impl Particulars {
 
 /// The bytes of a row count for each of some hundred of them.
 #[cfg(target_pointer_width = "32")]
-const _: () = assert!(size_of::<Row>() == 20);
+const _: () = assert!(size_of::<Row>() == 12);

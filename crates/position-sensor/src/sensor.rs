@@ -150,7 +150,7 @@ impl Sensor {
         };
         let before = core::mem::replace(&mut self.node, fresh);
         for (slot, row) in self.model.dictionary.slots() {
-            if !Group::COMMUNICATION.contains(row.id.key()) {
+            if !Group::COMMUNICATION.contains(row.id().key()) {
                 self.node.set_value(now, slot, before.values().raw(slot));
             }
         }
@@ -177,11 +177,11 @@ impl Sensor {
     pub fn parameters(&self, group: Group) -> impl Iterator<Item = Record> {
         let node_id = self.node.node_id().get();
         let stored = self.model.dictionary.slots().filter(move |(_, row)| {
-            row.storage != Storage::Volatile && group.contains(row.id.key())
+            row.storage() != Storage::Volatile && group.contains(row.id().key())
         });
         stored.filter_map(move |(slot, row)| {
             let value = self.node.values().raw(slot);
-            (value != row.initial(node_id)).then_some(Record { key: row.id.key(), value })
+            (value != row.initial(node_id)).then_some(Record { key: row.id().key(), value })
         })
     }
 
@@ -285,7 +285,7 @@ impl Sensor {
     fn restore(&mut self, now: Instant, group: Group) {
         let node_id = self.node.node_id().get();
         for (slot, row) in self.model.dictionary.slots() {
-            if row.storage != Storage::Volatile && group.contains(row.id.key()) {
+            if row.storage() != Storage::Volatile && group.contains(row.id().key()) {
                 self.node.set_value(now, slot, row.initial(node_id));
             }
         }
@@ -295,7 +295,7 @@ impl Sensor {
     fn keep(&mut self, object: ObjectId) {
         let dictionary = self.model.dictionary;
         let Ok(slot) = dictionary.find(object) else { return };
-        if dictionary.row(slot).is_some_and(|row| row.storage == Storage::AtOnce) {
+        if dictionary.row(slot).is_some_and(|row| row.storage() == Storage::AtOnce) {
             let value = self.node.values().raw(slot);
             self.event(Event::Keep(Record { key: object.key(), value }));
         }
@@ -384,8 +384,8 @@ fn node(
     let kept_id = kept_id.and_then(|record| NodeId::new(u8::try_from(record.value).ok()?));
     let node_id = node_id.or(kept_id).unwrap_or(DELIVERED_NODE_ID);
     let mut node = Node::new(dictionary, node_id, model.settings);
-    for (slot, row) in dictionary.slots().filter(|(_, row)| row.storage != Storage::Volatile) {
-        let kept = kept.clone().filter(|record| record.key == row.id.key()).last();
+    for (slot, row) in dictionary.slots().filter(|(_, row)| row.storage() != Storage::Volatile) {
+        let kept = kept.clone().filter(|record| record.key == row.id().key()).last();
         if let Some(record) = kept.filter(|record| row.permits(record.value)) {
             node.set_value(Instant::ZERO, slot, record.value);
         }
@@ -414,8 +414,8 @@ struct Objects {
 
 impl Application for Objects {
     fn write(&mut self, _slot: Slot, row: &Row, raw: u32) -> Result<Written, WriteError> {
-        let written = self.present.check(row.id, raw)?;
-        self.written = (written == Written::Taken).then_some(row.id);
+        let written = self.present.check(row.id(), raw)?;
+        self.written = (written == Written::Taken).then_some(row.id());
         Ok(written)
     }
 }

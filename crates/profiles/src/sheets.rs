@@ -170,8 +170,8 @@ mod tests {
     /// status of the other types although it has none (NM17x A-37).
     #[test]
     fn pdos_carry_objects_that_exist_and_may_be_carried() {
-        for (sheet, row) in rows().filter(|(_, row)| row.id.sub > 0) {
-            let way = match row.id.index {
+        for (sheet, row) in rows().filter(|(_, row)| row.id().sub > 0) {
+            let way = match row.id().index {
                 0x1600..=0x17FF => PdoMapping::Receive,
                 0x1A00..=0x1BFF => PdoMapping::Transmit,
                 _ => continue,
@@ -182,11 +182,11 @@ mod tests {
             let carried =
                 sheet.dictionary.find(id).ok().and_then(|slot| sheet.dictionary.row(slot));
             let Some(carried) = carried else {
-                assert_eq!((sheet.file, id.index), ("NM170", 0x204E), "{:?}", row.id);
+                assert_eq!((sheet.file, id.index), ("NM170", 0x204E), "{:?}", row.id());
                 continue;
             };
-            assert_eq!(carried.data_type.len() * 8, usize::from(bits), "{} {id:?}", sheet.file);
-            assert!([way, PdoMapping::Both].contains(&carried.pdo), "{} {id:?}", sheet.file);
+            assert_eq!(carried.data_type().len() * 8, usize::from(bits), "{} {id:?}", sheet.file);
+            assert!([way, PdoMapping::Both].contains(&carried.pdo()), "{} {id:?}", sheet.file);
         }
     }
 
@@ -196,15 +196,15 @@ mod tests {
     #[test]
     fn sub_index_0_is_the_highest_sub_index() {
         for sheet in SHEETS {
-            for object in sheet.dictionary.rows().chunk_by(|a, b| a.id.index == b.id.index) {
+            for object in sheet.dictionary.rows().chunk_by(|a, b| a.id().index == b.id().index) {
                 let [first, .., last] = object else { continue };
-                let expected = match (sheet.file, first.id.index) {
+                let expected = match (sheet.file, first.id().index) {
                     (_, ERROR_LIST) => 0,
                     ("NM170", 0x2020) => 8,
                     ("AP04", 0x1801) => 5,
-                    _ => u32::from(last.id.sub),
+                    _ => u32::from(last.id().sub),
                 };
-                assert_eq!(number(first), Some(expected), "{} {:?}", sheet.file, first.id);
+                assert_eq!(number(first), Some(expected), "{} {:?}", sheet.file, first.id());
             }
         }
     }
@@ -229,9 +229,9 @@ mod tests {
     /// What can only be written has no value that could be stored.
     #[test]
     fn commands_are_not_stored() {
-        for (sheet, row) in rows().filter(|(_, row)| row.access == Access::WriteOnly) {
-            let volatile = row.storage == object_dictionary::Storage::Volatile;
-            assert!(volatile, "{} {:?}", sheet.file, row.id);
+        for (sheet, row) in rows().filter(|(_, row)| row.access() == Access::WriteOnly) {
+            let volatile = row.storage() == object_dictionary::Storage::Volatile;
+            assert!(volatile, "{} {:?}", sheet.file, row.id());
         }
     }
 }

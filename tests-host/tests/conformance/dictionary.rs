@@ -33,10 +33,10 @@ fn case_4_2(master: &mut Master) -> Verdict {
 
 /// OD 03.
 fn case_4_3(master: &mut Master) -> Verdict {
-    for row in master.rows().iter().filter(|row| row.access == Access::ReadOnly) {
-        let zeros = vec![0; row.data_type.len()];
-        let code = master.download(row.id, &zeros).expect_err("it is refused");
-        assert!([0x0601_0000, 0x0601_0002].contains(&code), "{}: {code:08X}", name(row.id));
+    for row in master.rows().iter().filter(|row| row.access() == Access::ReadOnly) {
+        let zeros = vec![0; row.data_type().len()];
+        let code = master.download(row.id(), &zeros).expect_err("it is refused");
+        assert!([0x0601_0000, 0x0601_0002].contains(&code), "{}: {code:08X}", name(row.id()));
     }
     Ok(())
 }
@@ -44,9 +44,9 @@ fn case_4_3(master: &mut Master) -> Verdict {
 /// OD 04.
 fn case_4_4(master: &mut Master) -> Verdict {
     let mut verdict = Err(Reason::from("nothing is write only"));
-    for row in master.rows().iter().filter(|row| row.access == Access::WriteOnly) {
-        let code = master.upload(row.id).expect_err("it is refused");
-        assert!([0x0601_0000, 0x0601_0001].contains(&code), "{}: {code:08X}", name(row.id));
+    for row in master.rows().iter().filter(|row| row.access() == Access::WriteOnly) {
+        let code = master.upload(row.id()).expect_err("it is refused");
+        assert!([0x0601_0000, 0x0601_0001].contains(&code), "{}: {code:08X}", name(row.id()));
         verdict = Ok(());
     }
     verdict
@@ -62,21 +62,23 @@ fn case_4_5(master: &mut Master) -> Verdict {
 fn case_4_6(master: &mut Master) -> Verdict {
     let mut verdict = Err(Reason::from("no object has limits"));
     for row in master.rows() {
-        let written = row.access == Access::ReadWrite && row.write_state != WriteState::NotWithSdo;
-        if !written || row.id.index < 0x2000 || master.is_command(row) {
+        let written =
+            row.access() == Access::ReadWrite && row.write_state() != WriteState::NotWithSdo;
+        if !written || row.id().index < 0x2000 || master.is_command(row) {
             continue;
         }
         let limits = row.limits();
-        if (limits.min, limits.max) == row.data_type.span() || row.storage == Storage::Volatile {
+        if (limits.min, limits.max) == row.data_type().span() || row.storage() == Storage::Volatile
+        {
             continue;
         }
-        let before = master.upload(row.id).expect("a value");
+        let before = master.upload(row.id()).expect("a value");
         for end in [limits.min, limits.max] {
-            let value = &end.to_le_bytes()[..row.data_type.len()];
-            assert_eq!(master.download(row.id, value), Ok(()), "{} = {end}", name(row.id));
-            assert_eq!(master.upload(row.id).as_deref(), Ok(value), "{}", name(row.id));
+            let value = &end.to_le_bytes()[..row.data_type().len()];
+            assert_eq!(master.download(row.id(), value), Ok(()), "{} = {end}", name(row.id()));
+            assert_eq!(master.upload(row.id()).as_deref(), Ok(value), "{}", name(row.id()));
         }
-        assert_eq!(master.download(row.id, &before), Ok(()), "{}", name(row.id));
+        assert_eq!(master.download(row.id(), &before), Ok(()), "{}", name(row.id()));
         verdict = Ok(());
     }
     verdict
@@ -96,14 +98,14 @@ fn case_4_8(master: &mut Master) -> Verdict {
 /// OD 09.
 fn case_4_9(master: &mut Master) -> Verdict {
     each(master, Area::Device, |master, row| {
-        if row.access == Access::ReadWrite
-            && row.write_state != WriteState::NotWithSdo
+        if row.access() == Access::ReadWrite
+            && row.write_state() != WriteState::NotWithSdo
             && !master.is_command(row)
-            && let Ok(value) = master.upload(row.id)
+            && let Ok(value) = master.upload(row.id())
             && row.permits(raw(&value))
         {
-            assert_eq!(master.download(row.id, &value), Ok(()), "{}", name(row.id));
-            assert_eq!(master.upload(row.id), Ok(value), "{}", name(row.id));
+            assert_eq!(master.download(row.id(), &value), Ok(()), "{}", name(row.id()));
+            assert_eq!(master.upload(row.id()), Ok(value), "{}", name(row.id()));
         }
     })
 }
@@ -117,8 +119,8 @@ enum Area {
 
 fn each(master: &mut Master, area: Area, check: fn(&mut Master, &'static Row)) -> Verdict {
     let of_area = |row: &&Row| match area {
-        Area::Communication => row.id.index < 0x2000,
-        Area::Device => row.id.index >= 0x2000,
+        Area::Communication => row.id().index < 0x2000,
+        Area::Device => row.id().index >= 0x2000,
     };
     for row in master.rows().iter().filter(of_area) {
         check(master, row);
@@ -128,22 +130,22 @@ fn each(master: &mut Master, area: Area, check: fn(&mut Master, &'static Row)) -
 
 /// An object is read with its length, unless it has no value now, or can not be read.
 fn accessed(master: &mut Master, row: &'static Row) {
-    let read = master.upload(row.id);
-    match (row.access, read) {
-        (Access::WriteOnly, read) => assert_eq!(read, Err(0x0601_0001), "{}", name(row.id)),
+    let read = master.upload(row.id());
+    match (row.access(), read) {
+        (Access::WriteOnly, read) => assert_eq!(read, Err(0x0601_0001), "{}", name(row.id())),
         (Access::ReadOnly | Access::ReadWrite, Ok(value)) => {
-            assert_eq!(value.len(), row.data_type.len(), "{}", name(row.id));
+            assert_eq!(value.len(), row.data_type().len(), "{}", name(row.id()));
         }
         (Access::ReadOnly | Access::ReadWrite, Err(code)) => {
-            assert_eq!(code, NO_DATA, "{}", name(row.id));
+            assert_eq!(code, NO_DATA, "{}", name(row.id()));
         }
     }
 }
 
 /// What masters may change starts with its default, and constants are what the data sheet says.
 fn is_default(master: &mut Master, row: &'static Row) {
-    let fixed = row.access == Access::ReadOnly && row.limits().min == row.limits().max;
-    let set = row.access == Access::ReadWrite && row.storage != Storage::Volatile;
+    let fixed = row.access() == Access::ReadOnly && row.limits().min == row.limits().max;
+    let set = row.access() == Access::ReadWrite && row.storage() != Storage::Volatile;
     if !fixed && !set {
         return;
     }
@@ -151,10 +153,10 @@ fn is_default(master: &mut Master, row: &'static Row) {
         Default::Text(text) => text.as_bytes().to_vec(),
         Default::Number(_) | Default::NodeIdPlus(_) => {
             let number = row.initial(master.device.node_id);
-            number.to_le_bytes()[..row.data_type.len()].to_vec()
+            number.to_le_bytes()[..row.data_type().len()].to_vec()
         }
     };
-    assert_eq!(master.upload(row.id), Ok(expected), "{}", name(row.id));
+    assert_eq!(master.upload(row.id()), Ok(expected), "{}", name(row.id()));
 }
 
 /// The number that these bytes are; of a text anything.

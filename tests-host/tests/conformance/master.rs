@@ -245,7 +245,7 @@ impl Master {
                 Ok(value)
             }
             0x42 => {
-                let len = self.row(object).map_or(4, |row| row.data_type.len());
+                let len = self.row(object).map_or(4, |row| row.data_type().len());
                 Ok(rest[..len].to_vec())
             }
             expedited => {
@@ -301,7 +301,7 @@ impl Master {
 
     /// Writes a number of the object's length.
     pub(crate) fn set(&mut self, object: ObjectId, number: u32) -> Result<(), AbortCode> {
-        let len = self.row(object).map_or(4, |row| row.data_type.len());
+        let len = self.row(object).map_or(4, |row| row.data_type().len());
         let bytes = number.to_le_bytes();
         self.download(object, &bytes[..len])
     }
@@ -438,13 +438,13 @@ impl Master {
     /// The object, if the product has it.
     pub(crate) fn has(&self, index: u16, sub: u8) -> Result<ObjectId, Lacking> {
         let object = ObjectId { index, sub };
-        self.row(object).map(|row| row.id).ok_or_else(|| format!("no object {}", name(object)))
+        self.row(object).map(|row| row.id()).ok_or_else(|| format!("no object {}", name(object)))
     }
 
     /// The object, if the product has it and lets masters write it.
     pub(crate) fn writes(&self, index: u16, sub: u8) -> Result<ObjectId, Lacking> {
         let object = self.has(index, sub)?;
-        match self.row(object).map(|row| row.access) {
+        match self.row(object).map(|row| row.access()) {
             Some(Access::ReadWrite | Access::WriteOnly) => Ok(object),
             Some(Access::ReadOnly) | None => Err(format!("{} is read only", name(object))),
         }
@@ -452,7 +452,7 @@ impl Master {
 
     /// Whether a write of the object would do more than change a value.
     pub(crate) fn is_command(&self, row: &Row) -> bool {
-        matches!(row.id.index, 0x1010 | 0x1011) || self.device.commands.contains(&row.id.index)
+        matches!(row.id().index, 0x1010 | 0x1011) || self.device.commands.contains(&row.id().index)
     }
 }
 

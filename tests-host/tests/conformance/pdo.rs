@@ -175,7 +175,7 @@ fn case_3_21(master: &mut Master) -> Verdict {
             let [bits, mapped_sub, low, high] = master.number(object(index, sub)).to_le_bytes();
             let mapped = object(u16::from_le_bytes([low, high]), mapped_sub);
             let row = master.row(mapped).unwrap_or_else(|| panic!("{} is there", name(mapped)));
-            assert_eq!(8 * row.data_type.len(), usize::from(bits), "{}", name(mapped));
+            assert_eq!(8 * row.data_type().len(), usize::from(bits), "{}", name(mapped));
             bits_in_all += u32::from(bits);
         }
         assert!(bits_in_all <= 64);
@@ -193,7 +193,7 @@ fn case_3_22(master: &mut Master) -> Verdict {
     assert_eq!(map(master, index, &[entry(second), entry(first)]), Ok(()));
     let before = event_driven(master, communication)?;
     let frames = master.watch(500, |master| master.nmt(START));
-    let len = first.data_type.len() + second.data_type.len();
+    let len = first.data_type().len() + second.data_type().len();
     let sent: Vec<_> =
         frames.iter().filter(|frame| u32::from(frame.id) == before & 0x7FF).collect();
     assert!(!sent.is_empty() && sent.iter().all(|frame| frame.data.len() == len), "{sent:02X?}");
@@ -235,7 +235,7 @@ fn case_3_26(master: &mut Master) -> Verdict {
     let index = dynamic(master, 0x1A00)?;
     let row = mappable(master, PdoMapping::Transmit)[0];
     let entries = [entry(row); 8];
-    assert!(8 * row.data_type.len() > 8, "eight of them do not fit");
+    assert!(8 * row.data_type().len() > 8, "eight of them do not fit");
     badly_mapped(master, index, &entries)
 }
 
@@ -252,7 +252,7 @@ fn case_3_27(master: &mut Master) -> Verdict {
 fn case_3_28(master: &mut Master) -> Verdict {
     let index = dynamic(master, 0x1600)?;
     let inputs = mappable(master, PdoMapping::Transmit);
-    let input = inputs.into_iter().find(|row| row.access == Access::ReadOnly);
+    let input = inputs.into_iter().find(|row| row.access() == Access::ReadOnly);
     let input = input.ok_or("every object in transmit PDOs is rw")?;
     badly_mapped(master, index, &[entry(input)])
 }
@@ -276,7 +276,7 @@ fn case_3_30(master: &mut Master) -> Verdict {
 fn case_3_31(master: &mut Master) -> Verdict {
     let index = dynamic(master, 0x1A00)?;
     let outputs = mappable(master, PdoMapping::Receive);
-    let output = outputs.into_iter().find(|row| row.pdo == PdoMapping::Receive);
+    let output = outputs.into_iter().find(|row| row.pdo() == PdoMapping::Receive);
     let output = output.ok_or("every output may be in transmit PDOs too")?;
     badly_mapped(master, index, &[entry(output)])
 }
@@ -493,14 +493,14 @@ fn dynamic(master: &mut Master, mapping: u16) -> Result<u16, Lacking> {
 }
 
 fn mappable(master: &Master, direction: PdoMapping) -> Vec<&'static Row> {
-    let mappable = |row: &&Row| row.pdo == direction || row.pdo == PdoMapping::Both;
+    let mappable = |row: &&Row| row.pdo() == direction || row.pdo() == PdoMapping::Both;
     master.rows().iter().filter(mappable).collect()
 }
 
 /// The mapping entry for an object.
 fn entry(row: &Row) -> u32 {
-    let bits = u32::try_from(8 * row.data_type.len()).expect("a short object");
-    u32::from(row.id.index) << 16 | u32::from(row.id.sub) << 8 | bits
+    let bits = u32::try_from(8 * row.data_type().len()).expect("a short object");
+    u32::from(row.id().index) << 16 | u32::from(row.id().sub) << 8 | bits
 }
 
 /// Switches a PDO off and says what its COB-ID was.

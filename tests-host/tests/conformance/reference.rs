@@ -100,7 +100,7 @@ impl Reference {
 
     /// All numbers that masters may write.
     fn parameters(&self) -> Vec<(Slot, u32)> {
-        let written = dev1::DICTIONARY.slots().filter(|(_, row)| row.access == Access::ReadWrite);
+        let written = dev1::DICTIONARY.slots().filter(|(_, row)| row.access() == Access::ReadWrite);
         written.map(|(slot, _)| (slot, self.node.values().raw(slot))).collect()
     }
 

@@ -68,17 +68,17 @@ fn case_2_1(master: &mut Master) -> Verdict {
 fn case_2_2(master: &mut Master) -> Verdict {
     for row in rows(master, Access::ReadWrite) {
         // What can not be written while the PDO is valid.
-        let fixed = match row.id.index {
+        let fixed = match row.id().index {
             0x1600..0x1800 | 0x1A00..0x1C00 => true,
-            0x1800..0x1A00 => matches!(row.id.sub, 3 | 6),
+            0x1800..0x1A00 => matches!(row.id().sub, 3 | 6),
             _ => false,
         };
-        if row.id.index < 0x2000 && !fixed && !master.is_command(row) {
-            let value = master.upload(row.id);
+        if row.id().index < 0x2000 && !fixed && !master.is_command(row) {
+            let value = master.upload(row.id());
             // An object may have no value now: the empty error field.
             if let Ok(value) = value {
-                assert_eq!(master.download(row.id, &value), Ok(()), "{}", name(row.id));
-                assert_eq!(master.upload(row.id), Ok(value), "{}", name(row.id));
+                assert_eq!(master.download(row.id(), &value), Ok(()), "{}", name(row.id()));
+                assert_eq!(master.upload(row.id()), Ok(value), "{}", name(row.id()));
             }
         }
     }
@@ -93,7 +93,7 @@ fn case_2_3(master: &mut Master) -> Verdict {
 /// SDO 04.
 fn case_2_4(master: &mut Master) -> Verdict {
     let row = *first(master, Access::WriteOnly, |_| true).ok_or("nothing is write only")?;
-    refused(master.upload(row.id), WRITE_ONLY)
+    refused(master.upload(row.id()), WRITE_ONLY)
 }
 
 /// SDO 05.
@@ -117,16 +117,16 @@ fn case_2_7(master: &mut Master) -> Verdict {
 
 /// SDO 08.
 fn case_2_8(master: &mut Master) -> Verdict {
-    let short = |row: &Row| matches!(row.data_type.len(), 1 | 2);
+    let short = |row: &Row| matches!(row.data_type().len(), 1 | 2);
     let row = first(master, Access::ReadWrite, short).ok_or("no short object is rw")?;
-    refused(master.download(row.id, &[0; 4]), TOO_LONG)
+    refused(master.download(row.id(), &[0; 4]), TOO_LONG)
 }
 
 /// SDO 09.
 fn case_2_9(master: &mut Master) -> Verdict {
-    let long = |row: &Row| matches!(row.data_type.len(), 2 | 4);
+    let long = |row: &Row| matches!(row.data_type().len(), 2 | 4);
     let row = first(master, Access::ReadWrite, long).ok_or("no long object is rw")?;
-    refused(master.download(row.id, &[0]), TOO_SHORT)
+    refused(master.download(row.id(), &[0]), TOO_SHORT)
 }
 
 /// SDO 10.
@@ -143,15 +143,15 @@ fn case_2_11(master: &mut Master) -> Verdict {
 fn beyond(master: &mut Master, outside: fn(&Row, (i64, i64)) -> Option<i64>) -> Verdict {
     let mut any = false;
     for row in rows(master, Access::ReadWrite) {
-        let Some(value) = outside(row, row.data_type.span()) else { continue };
+        let Some(value) = outside(row, row.data_type().span()) else { continue };
         if master.is_command(row) || row.permits(raw(value)) {
             continue;
         }
-        let before = master.upload(row.id);
-        let len = row.data_type.len();
-        let written = master.download(row.id, &value.to_le_bytes()[..len]);
+        let before = master.upload(row.id());
+        let len = row.data_type().len();
+        let written = master.download(row.id(), &value.to_le_bytes()[..len]);
         refused(written, OUT_OF_RANGE)?;
-        assert_eq!(master.upload(row.id), before, "{} is what it was", name(row.id));
+        assert_eq!(master.upload(row.id()), before, "{} is what it was", name(row.id()));
         any = true;
     }
     if any { Ok(()) } else { Err("no object has such a limit".into()) }
@@ -188,27 +188,27 @@ fn case_2_15(master: &mut Master) -> Verdict {
 /// SDO 16.
 fn case_2_16(master: &mut Master) -> Verdict {
     let row = long_text(master)?;
-    let answer = master.request(initiate(0x40, row.id, [0; 4]));
-    let size = u32::try_from(row.data_type.len()).expect("a short text");
-    assert_eq!(answer, initiate(0x41, row.id, size.to_le_bytes()));
+    let answer = master.request(initiate(0x40, row.id(), [0; 4]));
+    let size = u32::try_from(row.data_type().len()).expect("a short text");
+    assert_eq!(answer, initiate(0x41, row.id(), size.to_le_bytes()));
     Ok(())
 }
 
 /// SDO 17.
 fn case_2_17(master: &mut Master) -> Verdict {
     let row = long_text(master)?;
-    master.request(initiate(0x40, row.id, [0; 4]));
+    master.request(initiate(0x40, row.id(), [0; 4]));
     refused(master.upload_segment(0x10), &[TOGGLE])?;
     refused(master.upload_segment(0x00), &[UNKNOWN_COMMAND])?;
-    assert!(master.upload(row.id).is_ok(), "the next transfer is not disturbed");
+    assert!(master.upload(row.id()).is_ok(), "the next transfer is not disturbed");
     Ok(())
 }
 
 /// SDO 18.
 fn case_2_18(master: &mut Master) -> Verdict {
     let row = long_text(master)?;
-    let value = master.upload(row.id).expect("a text");
-    assert_eq!(value.len(), row.data_type.len());
+    let value = master.upload(row.id()).expect("a text");
+    assert_eq!(value.len(), row.data_type().len());
     Ok(())
 }
 
@@ -299,18 +299,18 @@ fn raw(value: i64) -> u32 {
 
 /// The rows with this access, in ascending order.
 fn rows(master: &Master, access: Access) -> impl Iterator<Item = &'static Row> + use<> {
-    master.rows().iter().filter(move |row| row.access == access)
+    master.rows().iter().filter(move |row| row.access() == access)
 }
 
 /// The first number with this access that suits, other than commands.
 fn first(master: &Master, access: Access, suits: fn(&Row) -> bool) -> Option<&'static Row> {
-    let number = |row: &Row| !matches!(row.data_type, DataType::VisibleString(_));
+    let number = |row: &Row| !matches!(row.data_type(), DataType::VisibleString(_));
     rows(master, access).find(|row| number(row) && suits(row) && !master.is_command(row))
 }
 
 /// The first text that does not fit into one frame.
 fn long_text(master: &Master) -> Result<&'static Row, Lacking> {
-    let long = |row: &&Row| row.data_type.len() > 4;
+    let long = |row: &&Row| row.data_type().len() > 4;
     master.rows().iter().find(long).ok_or_else(|| "no value is longer than four bytes".to_owned())
 }
 
@@ -330,8 +330,8 @@ fn blocks(master: &mut Master) -> Verdict {
 fn block_read(master: &mut Master, crc: Crc) -> Verdict {
     blocks(master)?;
     let row = long_text(master)?;
-    let expected = master.upload(row.id);
-    assert_eq!(master.upload_in_blocks(row.id, crc), expected);
+    let expected = master.upload(row.id());
+    assert_eq!(master.upload_in_blocks(row.id(), crc), expected);
     Ok(())
 }
 

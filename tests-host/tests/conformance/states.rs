@@ -133,5 +133,5 @@ pub(crate) fn is_in(master: &mut Master, state: u8) {
 }
 
 fn is_stored_at_once(row: &object_dictionary::Row) -> bool {
-    row.storage == object_dictionary::Storage::AtOnce
+    row.storage() == object_dictionary::Storage::AtOnce
 }

@@ -44,7 +44,7 @@ pub(super) fn file(sheet: &Sheet) -> String {
         .filter(|(_, text)| text.listing == Listing::Everywhere)
         .collect();
     let objects: Vec<&[Entry<'_>]> =
-        entries.chunk_by(|(a, _), (b, _)| a.id.index == b.id.index).collect();
+        entries.chunk_by(|(a, _), (b, _)| a.id().index == b.id().index).collect();
     let mut eds = String::new();
     about_the_file(&mut eds, sheet);
     about_the_device(&mut eds, sheet, &objects);
@@ -118,7 +118,7 @@ fn about_the_device(eds: &mut String, sheet: &Sheet, objects: &[&[Entry<'_>]]) {
 }
 
 fn index(object: &[Entry<'_>]) -> u16 {
-    object.first().map_or(0, |(row, _)| row.id.index)
+    object.first().map_or(0, |(row, _)| row.id().index)
 }
 
 fn is_mandatory(index: u16) -> bool {
@@ -143,7 +143,7 @@ fn kind(object: &[Entry<'_>]) -> Kind {
 
 fn describe(eds: &mut String, sheet: &Sheet, object: &[Entry<'_>]) {
     let Some(&(first, text)) = object.first() else { return };
-    let index = first.id.index;
+    let index = first.id().index;
     let name = text.name.strip_suffix(HIGHEST_SUB_INDEX).unwrap_or(text.name);
     let code = match kind(object) {
         Kind::Variable => {
@@ -160,12 +160,12 @@ fn describe(eds: &mut String, sheet: &Sheet, object: &[Entry<'_>]) {
         object.len()
     );
     for (row, text) in object {
-        let name = if row.id.sub == 0 && text.name == name {
+        let name = if row.id().sub == 0 && text.name == name {
             "Highest sub-index supported"
         } else {
             text.name
         };
-        let _ = writeln!(eds, "[{index:04X}sub{:X}]", row.id.sub);
+        let _ = writeln!(eds, "[{index:04X}sub{:X}]", row.id().sub);
         variable(eds, sheet, row, name);
     }
 }
@@ -174,7 +174,7 @@ fn variable(eds: &mut String, sheet: &Sheet, row: &Row, name: &str) {
     let _ = write!(
         eds,
         "ParameterName={name}\nObjectType=0x7\nDataType=0x{:04X}\nAccessType={}\n",
-        data_type(row.data_type),
+        data_type(row.data_type()),
         access(row)
     );
     let (lowest, highest) = hull(row.limits());
@@ -182,10 +182,10 @@ fn variable(eds: &mut String, sheet: &Sheet, row: &Row, name: &str) {
         let _ = writeln!(eds, "DefaultValue={value}");
     }
     if has_limits(row) {
-        let [lowest, highest] = [lowest, highest].map(|limit| number(row.data_type, limit));
+        let [lowest, highest] = [lowest, highest].map(|limit| number(row.data_type(), limit));
         let _ = writeln!(eds, "LowLimit={lowest}\nHighLimit={highest}");
     }
-    let _ = write!(eds, "PDOMapping={}\n\n", u8::from(row.pdo != PdoMapping::No));
+    let _ = write!(eds, "PDOMapping={}\n\n", u8::from(row.pdo() != PdoMapping::No));
 }
 
 /// Codes of CiA 301, section 7.4.7.
@@ -203,7 +203,7 @@ const fn data_type(data_type: DataType) -> u8 {
 
 /// `rww` and `rwr` say besides which PDOs may carry what can be read and written.
 const fn access(row: &Row) -> &'static str {
-    match (row.access, row.pdo) {
+    match (row.access(), row.pdo()) {
         (Access::ReadOnly, _) => "ro",
         (Access::WriteOnly, _) => "wo",
         (Access::ReadWrite, PdoMapping::No | PdoMapping::Both) => "rw",
@@ -215,22 +215,22 @@ const fn access(row: &Row) -> &'static str {
 /// The value at delivery, if the entry can be read. A PDO mapping that names an object the product
 /// does not have, as the NM170 does, is left open: a master could not make sense of it.
 fn default(sheet: &Sheet, row: &Row) -> Option<String> {
-    if row.access == Access::WriteOnly {
+    if row.access() == Access::WriteOnly {
         return None;
     }
     match row.default() {
         Default::Text(text) => Some(text.to_owned()),
         Default::NodeIdPlus(base) => Some(format!("$NODEID+0x{base:X}")),
         Default::Number(raw) if maps_nothing(sheet, row, raw) => None,
-        Default::Number(raw) => Some(number(row.data_type, row.data_type.number(raw))),
+        Default::Number(raw) => Some(number(row.data_type(), row.data_type().number(raw))),
     }
 }
 
 fn maps_nothing(sheet: &Sheet, row: &Row, entry: u32) -> bool {
     let [index_high, index_low, sub, _] = entry.to_be_bytes();
     let mapped = ObjectId { index: u16::from_be_bytes([index_high, index_low]), sub };
-    row.id.sub > 0
-        && PDO_MAPPINGS.iter().any(|area| area.contains(&row.id.index))
+    row.id().sub > 0
+        && PDO_MAPPINGS.iter().any(|area| area.contains(&row.id().index))
         && sheet.dictionary.find(mapped).is_err()
 }
 
@@ -245,17 +245,18 @@ fn hull(limits: Limits) -> (i64, i64) {
 /// do not hold, such as the 0 of a drive at rest.
 fn has_limits(row: &Row) -> bool {
     let (lowest, highest) = hull(row.limits());
-    let holds_default = match (row.access, row.default()) {
+    let holds_default = match (row.access(), row.default()) {
         (Access::WriteOnly, _) | (_, Default::NodeIdPlus(_) | Default::Text(_)) => true,
         (Access::ReadOnly | Access::ReadWrite, Default::Number(raw)) => {
-            (lowest..=highest).contains(&row.data_type.number(raw))
+            (lowest..=highest).contains(&row.data_type().number(raw))
         }
     };
-    let answers_with_state =
-        row.access == Access::ReadWrite && row.storage == Storage::Volatile && lowest == highest;
-    row.access != Access::ReadOnly
-        && row.write_state != WriteState::NotWithSdo
-        && (lowest, highest) != row.data_type.span()
+    let answers_with_state = row.access() == Access::ReadWrite
+        && row.storage() == Storage::Volatile
+        && lowest == highest;
+    row.access() != Access::ReadOnly
+        && row.write_state() != WriteState::NotWithSdo
+        && (lowest, highest) != row.data_type().span()
         && holds_default
         && !answers_with_state
 }

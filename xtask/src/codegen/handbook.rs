@@ -29,16 +29,16 @@ pub(super) fn page(sheet: &Sheet) -> String {
         let _ = writeln!(
             page,
             "| 0x{:04X} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            row.id.index,
-            row.id.sub,
+            row.id().index,
+            row.id().sub,
             text.name,
-            type_name(row.data_type),
+            type_name(row.data_type()),
             access(row),
             default(row),
             values(row, text.unit),
-            stored(row.storage),
-            mapping(row.pdo),
-            holder(row.owner),
+            stored(row.storage()),
+            mapping(row.pdo()),
+            holder(row.owner()),
         );
     }
     page
@@ -58,7 +58,7 @@ fn type_name(data_type: DataType) -> String {
 
 /// With SDO, and the states in which it may be written when these are not all.
 const fn access(row: &Row) -> &'static str {
-    match (row.access, row.write_state) {
+    match (row.access(), row.write_state()) {
         (Access::ReadOnly, _) => "ro",
         (Access::WriteOnly, WriteState::Any) => "wo",
         (Access::WriteOnly, WriteState::PreOperational) => "wo, Pre-operational",
@@ -70,20 +70,20 @@ const fn access(row: &Row) -> &'static str {
 }
 
 fn default(row: &Row) -> String {
-    match (row.default(), row.access) {
+    match (row.default(), row.access()) {
         (_, Access::WriteOnly) => String::new(),
         (Default::Text(text), _) => format!("`{text}`"),
         (Default::NodeIdPlus(base), _) => format!("0x{base:X} + node-ID"),
-        (Default::Number(raw), _) => number(row.data_type.number(raw), radix(row)),
+        (Default::Number(raw), _) => number(row.data_type().number(raw), radix(row)),
     }
 }
 
 /// What may be written, with the unit; nothing where all of the type may.
 fn values(row: &Row, unit: Unit) -> String {
     let Limits { min, max, also } = row.limits();
-    let (lowest, highest) = row.data_type.span();
+    let (lowest, highest) = row.data_type().span();
     let mut spans = Vec::new();
-    if row.access != Access::ReadOnly && (min, max) != (lowest, highest) {
+    if row.access() != Access::ReadOnly && (min, max) != (lowest, highest) {
         spans.push(span(min, max, radix(row)));
     }
     spans.extend(also.iter().map(|&(first, last)| span(first, last, radix(row))));
@@ -96,7 +96,7 @@ fn span(first: i64, last: i64, radix: Radix) -> String {
 }
 
 fn radix(row: &Row) -> Radix {
-    if COMMUNICATION.contains(&row.id.index) && row.data_type == DataType::Unsigned32 {
+    if COMMUNICATION.contains(&row.id().index) && row.data_type() == DataType::Unsigned32 {
         Radix::Hexadecimal
     } else {
         Radix::Decimal

@@ -47,14 +47,14 @@ impl Entry {
     fn mappable_len(self, dictionary: &Dictionary, direction: Direction) -> Result<u8, AbortCode> {
         let slot = dictionary.find(self.object).map_err(|_| AbortCode::NO_OBJECT)?;
         let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
-        match (row.pdo, direction, row.data_type) {
+        match (row.pdo(), direction, row.data_type()) {
             (_, _, DataType::VisibleString(_))
             | (PdoMapping::No, ..)
             | (PdoMapping::Transmit, Direction::Receive, _)
             | (PdoMapping::Receive, Direction::Transmit, _) => Err(AbortCode::NOT_MAPPABLE),
             (PdoMapping::Transmit | PdoMapping::Both, Direction::Transmit, _)
             | (PdoMapping::Receive | PdoMapping::Both, Direction::Receive, _) => {
-                u8::try_from(row.data_type.len()).map_err(|_| AbortCode::NOT_MAPPABLE)
+                u8::try_from(row.data_type().len()).map_err(|_| AbortCode::NOT_MAPPABLE)
             }
         }
     }

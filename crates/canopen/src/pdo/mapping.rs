@@ -61,7 +61,7 @@ impl Mapping {
             mapping.len += len;
             let slot = dictionary.find(entry.object).unwrap_or(Slot::NOWHERE);
             let row = dictionary.row(slot);
-            let width = Width::new(len, row.map(|row| row.data_type));
+            let width = Width::new(len, row.map(|row| row.data_type()));
             let _ = mapping.fields.push(Field { slot, at, width });
             if let Some(row) = row {
                 mapping.span = mapping.span.join(Span::of(slot));

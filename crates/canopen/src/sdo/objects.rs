@@ -86,7 +86,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// The entry, if it may be read now.
     pub(super) fn readable(&mut self, object: ObjectId) -> Result<Entry, AbortCode> {
         let entry = self.find(object)?;
-        match entry.row.access {
+        match entry.row.access() {
             Access::ReadOnly | Access::ReadWrite => {}
             Access::WriteOnly => return Err(AbortCode::WRITE_ONLY),
         }
@@ -106,7 +106,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 
     /// The number at an entry, in 32 bits.
     pub(super) fn number(&self, entry: Entry) -> u32 {
-        entry.row.data_type.widen(self.values.raw(entry.slot))
+        entry.row.data_type().widen(self.values.raw(entry.slot))
     }
 
     /// Puts the bytes of a value into `place`.
@@ -116,7 +116,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         place: &mut Vec<u8, VALUE_MAX>,
     ) -> Result<(), AbortCode> {
         let number = self.number(entry).to_le_bytes();
-        let bytes = match entry.row.data_type {
+        let bytes = match entry.row.data_type() {
             DataType::VisibleString(_) => self
                 .application
                 .text(entry.slot, entry.row)
@@ -126,7 +126,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             | DataType::Unsigned32
             | DataType::Integer8
             | DataType::Integer16
-            | DataType::Integer32 => number.get(..entry.row.data_type.len()).unwrap_or(&[]),
+            | DataType::Integer32 => number.get(..entry.row.data_type().len()).unwrap_or(&[]),
         };
         place.clear();
         place.extend_from_slice(bytes).map_err(|_| AbortCode::OUT_OF_MEMORY)
@@ -134,12 +134,12 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 
     /// Whether a value of `len` bytes could be written.
     pub(super) fn check_len(&self, row: &Row, len: usize) -> Result<(), AbortCode> {
-        if len == row.data_type.len() { Ok(()) } else { Err(self.length_code(row)) }
+        if len == row.data_type().len() { Ok(()) } else { Err(self.length_code(row)) }
     }
 
     /// The code for a length that is not the entry's.
     pub(super) fn length_code(&self, row: &Row) -> AbortCode {
-        match row.data_type {
+        match row.data_type() {
             DataType::VisibleString(_) => self.settings.abort_codes.text_length,
             DataType::Unsigned8
             | DataType::Unsigned16
@@ -159,7 +159,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         data: u32,
     ) -> Result<(), AbortCode> {
         let (expedited, codes) = (self.settings.expedited, &self.settings.abort_codes);
-        let (len, is_text) = (row.data_type.len(), row.data_type.is_text());
+        let (len, is_text) = (row.data_type().len(), row.data_type().is_text());
         let fits = match (expedited, indicated.map(usize::from)) {
             (Expedited::FourOnly, Some(4)) => len == 4 || !is_text,
             (Expedited::FourOnly, _) => false,
@@ -172,7 +172,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         if !fits {
             return Err(self.length_code(row));
         }
-        if expedited == Expedited::FourOnly && !is_text && row.data_type.widen(data) != data {
+        if expedited == Expedited::FourOnly && !is_text && row.data_type().widen(data) != data {
             return Err(codes.above_maximum);
         }
         match codes.excess_bytes {
@@ -185,7 +185,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<Effect, AbortCode> {
         self.check_access(entry.row)?;
         self.check_len(entry.row, bytes.len())?;
-        if entry.row.data_type.is_text() {
+        if entry.row.data_type().is_text() {
             return self.write_text(entry, bytes);
         }
         let mut le = [0; 4];
@@ -207,19 +207,19 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<Effect, AbortCode> {
         let Entry { slot, row } = entry;
         let codes = &self.settings.abort_codes;
-        let raw = row.data_type.widen(raw);
+        let raw = row.data_type().widen(raw);
         row.check(raw).map_err(|outside| match outside {
             OutOfLimits::Above => codes.above_maximum,
             OutOfLimits::Below => codes.below_minimum,
             OutOfLimits::Beside => codes.value_range,
         })?;
         let mut acts_again = false;
-        if row.id.index < COMMUNICATION_END {
-            match row.id.index {
-                STORE | RESTORE => return command(row.id, raw),
+        if row.id().index < COMMUNICATION_END {
+            match row.id().index {
+                STORE | RESTORE => return command(row.id(), raw),
                 index => acts_again = index == heartbeat::CONSUMER_TIME,
             }
-            self.check_communication(row.id, raw)?;
+            self.check_communication(row.id(), raw)?;
         }
         let written = self.application.write(slot, row, raw);
         match written.map_err(|error| AbortCode::of_write(error, codes))? {
@@ -233,7 +233,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 
     /// Whether a master may write the entry, now and with SDO.
     fn check_access(&self, row: &Row) -> Result<(), AbortCode> {
-        match (row.access, row.write_state) {
+        match (row.access(), row.write_state()) {
             (_, WriteState::NotWithSdo) => Err(AbortCode::UNSUPPORTED_ACCESS),
             (Access::ReadOnly, _) => Err(AbortCode::READ_ONLY),
             (Access::WriteOnly | Access::ReadWrite, WriteState::PreOperational)

@@ -238,7 +238,7 @@ impl Server {
     }
 
     fn object(&self) -> Option<ObjectId> {
-        self.transfer.as_ref().map(|transfer| transfer.entry.row.id)
+        self.transfer.as_ref().map(|transfer| transfer.entry.row.id())
     }
 
     /// Whether the next frame is a segment of a block, whatever its first byte.
@@ -257,7 +257,7 @@ impl Server {
     ) -> Answer {
         self.transfer = None;
         let entry = objects.readable(request.object())?;
-        if entry.row.data_type.is_text() {
+        if entry.row.data_type().is_text() {
             objects.load(entry, &mut self.value)?;
             return Ok(Some(self.offer(now, entry, objects.settings().expedited)));
         }
@@ -265,7 +265,7 @@ impl Server {
         let answer = match objects.settings().expedited {
             Expedited::FourOnly => request.answer(UPLOAD_ANSWER | EXPEDITED, number),
             Expedited::AnyLength | Expedited::OneTwoOrFour | Expedited::LongerToo => {
-                let (command, mask) = match entry.row.data_type.len() {
+                let (command, mask) = match entry.row.data_type().len() {
                     1 => (0x4F, 0xFF),
                     2 => (0x4B, 0xFFFF),
                     _ => (0x43, 0xFFFF_FFFF),
@@ -289,10 +289,10 @@ impl Server {
                 }
             };
             let command = UPLOAD_ANSWER | EXPEDITED | told;
-            Message::new(command, entry.row.id, u32::from_le_bytes([a, b, c, d]))
+            Message::new(command, entry.row.id(), u32::from_le_bytes([a, b, c, d]))
         } else {
             self.begin(now, entry, Step::Upload { toggle: 0, sent: 0 });
-            Message::new(UPLOAD_ANSWER | SIZE_INDICATED, entry.row.id, size)
+            Message::new(UPLOAD_ANSWER | SIZE_INDICATED, entry.row.id(), size)
         }
     }
 
@@ -334,14 +334,14 @@ impl Server {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }
         let entry = objects.writable(request.object())?;
-        let len = entry.row.data_type.len();
+        let len = entry.row.data_type().len();
         if indicated.map(usize::from) != Some(len) || expedited == Expedited::FourOnly {
             if indicated.is_none() && usize::from(room) < len && len <= 4 {
                 return Ok(None);
             }
             objects.check_other_len(entry.row, indicated, request.data())?;
         }
-        let effect = if entry.row.data_type.is_text() {
+        let effect = if entry.row.data_type().is_text() {
             objects.write_text(entry, request.data().to_le_bytes().get(..len).unwrap_or(&[]))?
         } else {
             objects.write_number(entry, request.data())?
@@ -393,7 +393,7 @@ impl Server {
         if told != *toggle {
             return Err(AbortCode::TOGGLE);
         }
-        let fits = self.value.len() + data.len() <= entry.row.data_type.len();
+        let fits = self.value.len() + data.len() <= entry.row.data_type().len();
         if !fits || self.value.extend_from_slice(data).is_err() {
             return Err(objects.length_code(entry.row));
         }
@@ -463,7 +463,7 @@ impl Server {
         else {
             return Err(AbortCode::UNKNOWN_COMMAND);
         };
-        let len = entry.row.data_type.len();
+        let len = entry.row.data_type().len();
         download.take(bytes, &mut self.value, len).map_err(|_| objects.length_code(entry.row))
     }
 
@@ -511,5 +511,5 @@ impl Server {
 }
 
 fn abort(entry: Entry, code: AbortCode) -> Message {
-    Message::new(ABORT, entry.row.id, code.get())
+    Message::new(ABORT, entry.row.id(), code.get())
 }

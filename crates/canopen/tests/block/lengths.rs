@@ -1,29 +1,30 @@
 //! Values of every length, in segments and in blocks.
 
 use canopen::{Application, BlockTransfer, CanId, Frame, Node, NodeId, Settings, WriteError};
-use object_dictionary::{DataType, Dictionary, Object, Row, Slot, row};
+use object_dictionary::{Dictionary, Object, Row, Slot, row};
 use units::Instant;
 
 use crate::SDO_REQUEST;
 use crate::client::{checksum, end, segments};
 
-const LEN_MAX: u8 = 64;
-const TEXT: Object<[u8; 1]> = Object::new(0x2000, 1, "Text").read_write();
+/// A text of `LEN` bytes at the sub-index `LEN`.
+const fn text<const LEN: usize>() -> Row {
+    row!(Object::<[u8; LEN]>::new(0x2000, LEN as u8, "Text").read_write())
+}
+
+macro_rules! texts {
+    ($($len:literal)+) => { [$(text::<$len>()),+] };
+}
 
 /// Sub-index 1 has one byte, sub-index 2 two, and so on.
-const ROWS: [Row; LEN_MAX as usize] = {
-    let mut rows = [row!(TEXT); LEN_MAX as usize];
-    let mut len = 1;
-    while len <= LEN_MAX {
-        let row = &mut rows[len as usize - 1];
-        row.id.sub = len;
-        row.data_type = DataType::VisibleString(len);
-        len += 1;
-    }
-    rows
+const ROWS: &[Row] = &texts! {
+    1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+    33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
 };
 
-static DICTIONARY: Dictionary = object_dictionary::dictionary!(&ROWS);
+const LEN_MAX: u8 = ROWS.len() as u8;
+
+static DICTIONARY: Dictionary = object_dictionary::dictionary!(ROWS);
 
 /// The texts by their lengths.
 struct Store {

@@ -38,7 +38,7 @@ impl Application for Texts {
     const BLOCK_TRANSFER: BlockTransfer = BlockTransfer::Served;
 
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
-        match row.id {
+        match row.id() {
             id if id == NAME.id() => Some(&self.name),
             id if id == LOG.id() => Some(&self.log),
             _ => Some(&self.note),
@@ -46,7 +46,7 @@ impl Application for Texts {
     }
 
     fn write_text(&mut self, _slot: Slot, row: &Row, text: &[u8]) -> Result<(), WriteError> {
-        let place = if row.id == NAME.id() { &mut self.name } else { &mut self.note };
+        let place = if row.id() == NAME.id() { &mut self.name } else { &mut self.note };
         *place = text.to_vec();
         Ok(())
     }

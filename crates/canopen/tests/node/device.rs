@@ -202,15 +202,15 @@ impl Device {
 
 impl Application for Device {
     fn read(&mut self, _slot: Slot, row: &Row) -> Result<(), ReadError> {
-        if row.id == READING.id() { Err(ReadError::NoData) } else { Ok(()) }
+        if row.id() == READING.id() { Err(ReadError::NoData) } else { Ok(()) }
     }
 
     fn text(&self, _slot: Slot, row: &Row) -> Option<&[u8]> {
-        (row.id == MESSAGE.id()).then_some(&self.message)
+        (row.id() == MESSAGE.id()).then_some(&self.message)
     }
 
     fn write(&mut self, _slot: Slot, row: &Row, _raw: u32) -> Result<Written, WriteError> {
-        match row.id {
+        match row.id() {
             id if id == CLAMP.id() => Err(WriteError::Hardware),
             _ => Ok(Written::Taken),
         }

@@ -121,9 +121,9 @@ impl Interface {
 
     /// Hands a value for which there is room on to the application controller.
     fn forward(&mut self, now: Instant, (slot, row): (Slot, &Row), raw: u32) {
-        if self.link.write(row.id, raw, kind(row.id)).is_ok() {
+        if self.link.write(row.id(), raw, kind(row.id())).is_ok() {
             self.message.note_write();
-            if !COMMANDS.contains(&row.id) {
+            if !COMMANDS.contains(&row.id()) {
                 self.node.set_value(now, slot, raw);
             }
         }
@@ -148,7 +148,7 @@ impl Interface {
 
 /// Bytes beyond the object's length do not count as a part of the number: they are wrong.
 fn check(row: &Row, raw: u32) -> Result<(), Emergency> {
-    if row.data_type.widen(raw) == raw && row.permits(raw) {
+    if row.data_type().widen(raw) == raw && row.permits(raw) {
         Ok(())
     } else {
         Err(Emergency::WRONG_VALUE)
