@@ -94,7 +94,9 @@ impl<D: Application + Default> Spindle<D> {
         }
     }
 
-    /// What a device without a memory and without other bit rates does.
+    /// What a device without a memory and without other bit rates does. Apart from what every frame
+    /// passes, since events are rare.
+    #[inline(never)]
     #[expect(clippy::wildcard_enum_match_arm, reason = "nothing else asks for anything")]
     fn follow(&mut self, now: Instant, event: Event) {
         match event {

@@ -78,11 +78,6 @@ impl CobId {
         if self.0 & Self::INVALID == 0 { Some(self.can_id()) } else { None }
     }
 
-    /// Whether it says that the PDO exists, with the identifier `id`.
-    pub(crate) fn is_valid_with(self, id: CanId) -> bool {
-        self.0 & (Self::INVALID | 0x7FF) == u32::from(id.get())
-    }
-
     /// Whether remote frames may ask for the PDO: bit 30 is not set.
     pub(crate) const fn allows_remote(self) -> bool {
         self.0 & Self::NO_REMOTE == 0

@@ -15,7 +15,7 @@ use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::parameter::parameter;
-use crate::pdo::{RPDO_MAX, Rpdos, Target, Tpdos};
+use crate::pdo::{self, PDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Effect, Message, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
 use crate::sync::{self, Sync};
@@ -25,7 +25,7 @@ use crate::time::{self, TimeOfDay};
 const EVENTS_MAX: usize = 16;
 /// The most that one call brings about: all producers and the master lost, what follows from that,
 /// and all receive PDOs overdue.
-const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + RPDO_MAX;
+const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + PDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
@@ -179,8 +179,8 @@ impl<const LEN: usize> Node<LEN> {
             emergencies: emcy::Producer::OFF,
             sdo: sdo::Server::default(),
             lss: None,
-            rpdos: Rpdos::new(&values),
-            tpdos: Tpdos::new(&values, &settings.pdo),
+            rpdos: Rpdos::default(),
+            tpdos: Tpdos::default(),
             outbox: Outbox::default(),
             screen: Screen::CLOSED,
             wake_at: Deadline::NEVER,
@@ -352,8 +352,7 @@ impl<const LEN: usize> Node<LEN> {
     /// and to types that know no events.
     pub fn trigger_tpdo(&mut self, now: Instant, number: u16) {
         self.tpdos.trigger(number);
-        self.transmit_due(now);
-        self.wake_by(self.tpdos.due_at());
+        self.follow_values(now);
     }
 
     /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
@@ -618,12 +617,12 @@ impl<const LEN: usize> Node<LEN> {
         self.follow_values(now);
     }
 
-    /// Values changed: what is due now goes out, and what follows later is not missed.
+    /// A PDO came or values changed: what is due now goes out, and what follows later is not missed.
+    #[inline(never)]
     fn follow_values(&mut self, now: Instant) {
-        if self.tpdos.due_at() < self.wake_at {
-            self.transmit_due(now);
-            self.wake_by(self.tpdos.due_at());
-        }
+        self.transmit_due(now);
+        self.wake_by(self.tpdos.due_at());
+        self.wake_by(self.rpdos.due_at());
     }
 
     fn produce_sync(&mut self, now: Instant, application: &mut impl Application) {
@@ -668,7 +667,6 @@ impl<const LEN: usize> Node<LEN> {
         }
         if outcome.goes_on {
             self.follow_values(now);
-            self.wake_by(self.rpdos.due_at());
         }
     }
 
@@ -866,6 +864,10 @@ impl<const LEN: usize> Node<LEN> {
             [sync::COB_ID, time::COB_ID, guarding::GUARD_TIME, HEARTBEAT_TIME, emcy::COB_ID]
         {
             self.follow_parameter(Instant::ZERO, ObjectId { index, sub: 0 });
+        }
+        for (receive, transmit) in (pdo::RECEIVE..).zip(pdo::TRANSMIT..).take(PDO_MAX) {
+            self.reread_rpdo(receive);
+            self.reread_tpdo(Instant::ZERO, transmit);
         }
         (self.has_news, self.filters_changed) = (false, false);
     }

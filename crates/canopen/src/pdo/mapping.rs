@@ -1,13 +1,15 @@
 use heapless::Vec;
-use object_dictionary::{DataType, Dictionary, Slot, Values};
+use object_dictionary::{Dictionary, Slot, Values};
 
-use super::entry::Entry;
-use super::span::Span;
+use super::Direction;
+use super::field::Field;
+use super::slots::Slots;
 use crate::frame::DATA_MAX;
 use crate::parameter::parameter;
+use crate::sdo::AbortCode;
 
 /// Objects that one PDO may carry.
-pub(super) const MAPPED_MAX: u8 = 8;
+const MAPPED_MAX: u8 = 8;
 
 /// Bytes that one PDO may carry.
 pub(super) const LEN_MAX: u8 = 8;
@@ -18,28 +20,14 @@ const _: () = assert!(LEN_MAX as usize == DATA_MAX);
 pub(super) type Bytes = [u8; DATA_MAX + size_of::<u32>()];
 
 /// What a PDO carries, looked up once (CiA 301, section 7.5.2.36).
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub(super) struct Mapping {
     fields: Vec<Field, { MAPPED_MAX as usize }, u8>,
-    /// Where the slots of the fields lie.
-    span: Span,
+    slots: Slots,
     len: u8,
     /// Whether an object takes fewer numbers than its type has.
     limited: bool,
 }
-
-/// Where the bytes of one object lie. Those of an object that the product does not have are zero
-/// when sent and dropped when received.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Field {
-    slot: Slot,
-    at: u8,
-    width: Width,
-}
-
-/// How much of 32 bits a number is: the bits above it, and whether they repeat its sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Width(u8);
 
 /// The numbers that a receive PDO brings.
 #[derive(Clone, Copy, Debug)]
@@ -49,31 +37,35 @@ pub struct Mapped<'a> {
 }
 
 impl Mapping {
-    /// Reads the mapping object with this index, up to the first entry that does not fit.
-    pub(super) fn read<const LEN: usize>(values: &Values<LEN>, index: u16) -> Self {
+    /// Takes the first `count` entries of the mapping object with this index, up to the first one
+    /// that does not fit, which is an error.
+    pub(super) fn read<const LEN: usize>(
+        &mut self,
+        values: &Values<LEN>,
+        index: u16,
+        count: u32,
+    ) -> Result<(), AbortCode> {
+        *self = Self::default();
         let dictionary = values.dictionary();
-        let value = |sub| parameter(values, index, sub);
-        let mut mapping = Self::default();
-        let count = value(0).unwrap_or(0).min(u32::from(MAPPED_MAX));
-        for entry in (1..).zip(0..count).map_while(|(sub, _)| value(sub)).map(Entry::from_raw) {
-            let at = mapping.len;
-            let Some(len) = entry.byte_len().filter(|len| at + len <= LEN_MAX) else { break };
-            mapping.len += len;
-            let slot = dictionary.find(entry.object).unwrap_or(Slot::NOWHERE);
-            let row = dictionary.row(slot);
-            let width = Width::new(len, row.map(|row| row.data_type()));
-            let _ = mapping.fields.push(Field { slot, at, width });
-            if let Some(row) = row {
-                mapping.span = mapping.span.join(Span::of(slot));
-                mapping.limited |= !row.is_unlimited();
+        let direction = Direction::of(index);
+        let count = u8::try_from(count).ok().filter(|&count| count <= MAPPED_MAX);
+        let mut end = 0;
+        for sub in 1..=count.ok_or(AbortCode::MAPPING_LENGTH)? {
+            let entry = parameter(values, index, sub).ok_or(AbortCode::MAPPING_LENGTH)?;
+            let field = Field::new(entry, end, dictionary, direction)?;
+            end = field.end();
+            if end <= LEN_MAX && self.fields.push(field).is_ok() {
+                self.len = end;
+                self.slots = self.slots.join(Slots::of(field.slot));
+                self.limited |= dictionary.row(field.slot).is_some_and(|row| !row.is_unlimited());
             }
         }
-        mapping
+        if end <= LEN_MAX { Ok(()) } else { Err(AbortCode::MAPPING_LENGTH) }
     }
 
-    /// Where the slots lie that it carries.
-    pub(super) const fn span(&self) -> Span {
-        self.span
+    /// The slots that it carries.
+    pub(super) const fn slots(&self) -> Slots {
+        self.slots
     }
 
     /// The fields, with a bound that loops over them can be unrolled by.
@@ -121,6 +113,7 @@ impl Mapping {
         !self.limited || self.rows_permit(bytes, dictionary)
     }
 
+    #[inline(never)]
     fn rows_permit(&self, bytes: &Bytes, dictionary: &Dictionary) -> bool {
         let permitted = |(slot, raw)| dictionary.row(slot).is_none_or(|row| row.permits(raw));
         self.scatter(bytes).iter().all(permitted)
@@ -138,56 +131,14 @@ impl Mapped<'_> {
         self.mapping.fields().map(|field| (field.slot, field.number(self.bytes)))
     }
 
-    /// Where the slots lie.
-    pub(super) const fn span(&self) -> Span {
-        self.mapping.span
+    pub(super) const fn slots(&self) -> Slots {
+        self.mapping.slots
     }
 
     /// The number for the object at `slot`. `None` when the PDO does not carry it.
     #[must_use]
     pub fn get(&self, slot: Slot) -> Option<u32> {
         self.iter().find_map(|(mapped, raw)| (mapped == slot).then_some(raw))
-    }
-}
-
-impl Field {
-    fn number(self, bytes: &Bytes) -> u32 {
-        let word = bytes.get(usize::from(self.at % LEN_MAX)..).and_then(<[u8]>::first_chunk);
-        self.width.number(word.map_or(0, |word| u32::from_le_bytes(*word)))
-    }
-}
-
-impl Width {
-    const SIGNED: u8 = 1 << 7;
-
-    const fn new(len: u8, data_type: Option<DataType>) -> Self {
-        let spare_bits = 32_u8.saturating_sub(8 * len);
-        match data_type {
-            Some(DataType::Integer8 | DataType::Integer16 | DataType::Integer32) => {
-                Self(Self::SIGNED | spare_bits)
-            }
-            Some(
-                DataType::Unsigned8
-                | DataType::Unsigned16
-                | DataType::Unsigned32
-                | DataType::VisibleString(_),
-            )
-            | None => Self(spare_bits),
-        }
-    }
-
-    const fn spare_bits(self) -> u32 {
-        (self.0 % 32) as u32
-    }
-
-    /// The low bytes of `word` as a number.
-    const fn number(self, word: u32) -> u32 {
-        let shifted = word << self.spare_bits();
-        if self.0 & Self::SIGNED == 0 {
-            shifted >> self.spare_bits()
-        } else {
-            (shifted.cast_signed() >> self.spare_bits()).cast_unsigned()
-        }
     }
 }
 

@@ -1,13 +1,12 @@
 use object_dictionary::Values;
 use units::{Duration, Instant};
 
-use super::mapping::{Bytes, Mapping};
+use super::description::Description;
+use super::mapping::Bytes;
 use super::target::Target;
 use crate::application::Application;
-use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
-use crate::parameter::parameter;
 use crate::settings::{Emergency, ReceiveErrors};
 
 /// A receive PDO (CiA 301, section 7.2.2; objects 0x1400 and 0x1600 and following).
@@ -16,25 +15,10 @@ use crate::settings::{Emergency, ReceiveErrors};
 /// from the first PDO on, and once it has elapsed, not before the next one.
 #[derive(Debug)]
 pub(super) struct Rpdo {
-    number: u16,
-    /// The identifier it listens to, or [`NOTHING`].
-    listens_to: u16,
-    parameters: Parameters,
-    mapping: Mapping,
+    description: Description,
     /// Bytes that wait for a SYNC.
     waiting: Option<Bytes>,
     expires_at: Deadline,
-}
-
-/// No identifier: of a PDO that is switched off or carries nothing.
-const NOTHING: u16 = u16::MAX;
-
-/// The communication parameter as the stack uses it.
-#[derive(Clone, Copy, Debug)]
-struct Parameters {
-    cob_id: CobId,
-    reception: Reception,
-    event_time_ms: u16,
 }
 
 /// When the values of a receive PDO are taken over (CiA 301, section 7.5.2.35, sub-index 2).
@@ -66,45 +50,29 @@ pub(crate) enum Fault {
 }
 
 impl Rpdo {
-    /// The PDO 0x1400 + `number`. `None` when the product does not have it.
-    pub(super) fn new<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
-        let parameters = Parameters::read(number, values)?;
-        let mapping = Mapping::read(values, MAPPING + number);
-        let id = parameters.cob_id.valid().filter(|_| mapping.byte_len() > 0);
-        Some(Self {
-            number,
-            listens_to: id.map_or(NOTHING, CanId::get),
-            parameters,
-            mapping,
-            waiting: None,
-            expires_at: Deadline::NEVER,
-        })
+    /// One that is switched off.
+    pub(super) fn off() -> Self {
+        Self { description: Description::off(), waiting: None, expires_at: Deadline::NEVER }
     }
 
-    /// The identifier it listens to, while it is switched on.
-    pub(super) const fn id(&self) -> Option<CanId> {
-        CanId::new(self.listens_to)
-    }
-
-    pub(super) const fn listens_to(&self, id: CanId) -> bool {
-        self.listens_to == id.get()
+    /// The identifier it listens to; none while it is switched off.
+    pub(super) const fn id(&self) -> CanId {
+        self.description.id
     }
 
     /// Whether its values wait for a SYNC.
     pub(super) fn waits_for_sync(&self) -> bool {
-        self.parameters.reception == Reception::WithSync
+        self.reception() == Reception::WithSync
     }
 
-    /// Whether `index` is its communication parameter or its mapping.
-    pub(super) const fn is_described_by(&self, index: u16) -> bool {
-        index == COMMUNICATION + self.number || index == MAPPING + self.number
+    const fn reception(&self) -> Reception {
+        Reception::new(self.description.transmission_type)
     }
 
-    /// Takes its objects over again, and forgets what waits.
-    pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        if let Some(again) = Self::new(self.number, values) {
-            *self = again;
-        }
+    /// Takes its objects over, and forgets what waits.
+    pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
+        self.description.reread(values, index);
+        self.stop();
     }
 
     /// The node is no longer Operational.
@@ -113,48 +81,48 @@ impl Rpdo {
         self.expires_at = Deadline::NEVER;
     }
 
-    /// Takes a frame with its identifier.
+    /// Takes a frame with its identifier; `number` is its own.
     pub(super) fn handle<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
+        number: u16,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
     ) -> Outcome {
-        let (sent, len) = (frame.dlc(), self.mapping.byte_len());
+        let mapping = &self.description.mapping;
+        let (sent, len) = (frame.dlc(), mapping.byte_len());
         let mut outcome = Outcome::default();
         if sent < len {
             return Outcome { fault: Some(Fault::TooShort), ..outcome };
         }
-        if self.parameters.event_time_ms > 0 {
-            let event_time = Duration::from_millis(u64::from(self.parameters.event_time_ms));
+        let event_time = self.description.event_time();
+        if event_time > Duration::ZERO {
             self.expires_at = Deadline::after(now, event_time);
             outcome.goes_on = true;
         }
         let bytes = padded(frame);
-        if !self.mapping.permits(&bytes, target.values.dictionary()) {
+        if !mapping.permits(&bytes, target.values.dictionary()) {
             return Outcome { fault: Some(Fault::Value), ..outcome };
         }
-        match self.parameters.reception {
+        match self.reception() {
             Reception::AtOnce => {
-                outcome.goes_on |= target.take_over(self.number, self.mapping.scatter(&bytes));
+                outcome.goes_on |= target.take_over(number, mapping.scatter(&bytes));
             }
-            Reception::WithSync => {
-                self.waiting = Some(bytes);
-                outcome.goes_on = true;
-            }
+            Reception::WithSync => self.waiting = Some(bytes),
             Reception::Never => {}
         }
         outcome.fault = (sent > len).then_some(Fault::TooLong);
         outcome
     }
 
-    /// Takes over what waited for a SYNC.
+    /// Takes over what waited for a SYNC; `number` is its own.
     pub(super) fn handle_sync<A: Application, const LEN: usize>(
         &mut self,
+        number: u16,
         target: &mut Target<'_, A, LEN>,
     ) {
         if let Some(bytes) = self.waiting.take() {
-            target.take_over(self.number, self.mapping.scatter(&bytes));
+            target.take_over(number, self.description.mapping.scatter(&bytes));
         }
     }
 
@@ -168,30 +136,13 @@ impl Rpdo {
         self.expires_at
     }
 
-    /// Its number if it is overdue; it then is no more.
-    pub(super) fn take_expired(&mut self, now: Instant) -> Option<u16> {
+    /// Whether it is overdue; it then is no more.
+    pub(super) fn take_expired(&mut self, now: Instant) -> bool {
         let expired = self.expires_at.is_due(now);
-        expired.then(|| {
+        if expired {
             self.expires_at = Deadline::NEVER;
-            self.number
-        })
-    }
-}
-
-const COMMUNICATION: u16 = 0x1400;
-const MAPPING: u16 = 0x1600;
-
-impl Parameters {
-    /// `None` when the product has no such PDO.
-    fn read<const LEN: usize>(number: u16, values: &Values<LEN>) -> Option<Self> {
-        let index = COMMUNICATION + number;
-        let value = |sub| parameter(values, index, sub);
-        let [low, high, ..] = value(5).unwrap_or(0).to_le_bytes();
-        Some(Self {
-            cob_id: CobId::from_raw(value(1)?),
-            reception: Reception::new(value(2)?),
-            event_time_ms: u16::from_le_bytes([low, high]),
-        })
+        }
+        expired
     }
 }
 

@@ -4,80 +4,70 @@ use units::Instant;
 
 use super::rpdo::{Outcome, Rpdo};
 use super::target::Target;
+use super::{MAPPING, PDO_MAX, RECEIVE};
 use crate::application::Application;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
+use crate::parameter::parameter;
 
-/// Receive PDOs of a device.
-pub(crate) const RPDO_MAX: usize = 4;
-
-/// The receive PDOs of a device.
-#[derive(Debug)]
+/// The receive PDOs of a device, each at the place that its number says.
+#[derive(Debug, Default)]
 pub(crate) struct Rpdos {
-    rpdos: Vec<Rpdo, RPDO_MAX, u8>,
+    rpdos: Vec<Rpdo, PDO_MAX, u8>,
     /// Whether any received bytes wait for a SYNC.
     wait: bool,
-    expires_at: Deadline,
 }
 
 impl Rpdos {
-    /// Those that the dictionary describes.
-    pub(crate) fn new<const LEN: usize>(values: &Values<LEN>) -> Self {
-        let mut rpdos = Vec::new();
-        for rpdo in (0..).take(RPDO_MAX).filter_map(|number| Rpdo::new(number, values)) {
-            let _ = rpdos.push(rpdo);
-        }
-        Self { rpdos, wait: false, expires_at: Deadline::NEVER }
-    }
-
     /// The node is no longer Operational.
     pub(crate) fn stop(&mut self) {
         self.rpdos.iter_mut().for_each(Rpdo::stop);
         self.wait = false;
-        self.expires_at = Deadline::NEVER;
     }
 
-    /// Takes the PDO over again that the object with `index` describes. Whether it then listens to
-    /// another identifier.
+    /// Takes the PDO over that the object with `index` describes, if the product has it. Whether it
+    /// then listens to another identifier.
     pub(crate) fn reread<const LEN: usize>(&mut self, index: u16, values: &Values<LEN>) -> bool {
-        let mut moved = false;
-        for rpdo in self.rpdos.iter_mut().filter(|rpdo| rpdo.is_described_by(index)) {
-            let before = rpdo.id();
-            rpdo.reread(values);
-            moved |= before != rpdo.id();
+        let number = index % MAPPING;
+        let index = RECEIVE + number;
+        if parameter(values, index, 1).is_none() {
+            return false;
         }
-        self.survey();
-        moved
+        while self.rpdos.len() <= number.into() && self.rpdos.push(Rpdo::off()).is_ok() {}
+        let Some(rpdo) = self.rpdos.get_mut(usize::from(number)) else { return false };
+        let before = rpdo.id();
+        rpdo.reread(values, index);
+        before != rpdo.id()
     }
 
     /// The identifiers they listen to.
     pub(crate) fn ids(&self) -> impl Iterator<Item = CanId> {
-        self.rpdos.iter().filter_map(Rpdo::id)
+        self.rpdos.iter().map(Rpdo::id).filter(|&id| id != CanId::NONE)
     }
 
     /// The place of the first one that listens to this identifier.
-    pub(crate) fn position(&self, id: CanId) -> Option<usize> {
-        self.rpdos.iter().position(|rpdo| rpdo.listens_to(id))
+    pub(crate) fn position(&self, id: CanId) -> Option<u16> {
+        let mut numbered = (0..).zip(&self.rpdos);
+        numbered.find_map(|(number, rpdo)| (rpdo.id() == id).then_some(number))
     }
 
-    /// Whether data frames for the one at `position` wait for a SYNC.
-    pub(crate) fn waits_for_sync(&self, position: usize) -> bool {
-        self.rpdos.get(position).is_some_and(Rpdo::waits_for_sync)
+    /// Whether data frames for the one with this number wait for a SYNC.
+    pub(crate) fn waits_for_sync(&self, number: u16) -> bool {
+        self.rpdos.get(usize::from(number)).is_some_and(Rpdo::waits_for_sync)
     }
 
-    /// Takes a data frame for the one at `position`.
+    /// Takes a data frame for the one with this number.
     pub(crate) fn handle_frame<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        position: usize,
+        number: u16,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
     ) -> Outcome {
-        let Some(rpdo) = self.rpdos.get_mut(position) else { return Outcome::default() };
-        let outcome = rpdo.handle(now, frame, target);
-        if outcome.goes_on {
-            self.survey();
-        }
+        let rpdo = self.rpdos.get_mut(usize::from(number));
+        let Some(rpdo) = rpdo else { return Outcome::default() };
+        let outcome = rpdo.handle(now, number, frame, target);
+        self.wait |= rpdo.waits();
         outcome
     }
 
@@ -93,27 +83,19 @@ impl Rpdos {
         target: &mut Target<'_, A, LEN>,
     ) {
         self.wait = false;
-        self.rpdos.iter_mut().for_each(|rpdo| rpdo.handle_sync(target));
+        for (number, rpdo) in (0..).zip(&mut self.rpdos) {
+            rpdo.handle_sync(number, target);
+        }
     }
 
     /// When the next one is overdue.
-    pub(crate) const fn due_at(&self) -> Deadline {
-        self.expires_at
+    pub(crate) fn due_at(&self) -> Deadline {
+        self.rpdos.iter().map(Rpdo::expires_at).fold(Deadline::NEVER, Deadline::min)
     }
 
     /// The number of one that is overdue; it then is no more.
     pub(crate) fn take_due(&mut self, now: Instant) -> Option<u16> {
-        if !self.expires_at.is_due(now) {
-            return None;
-        }
-        let overdue = self.rpdos.iter_mut().find_map(|rpdo| rpdo.take_expired(now));
-        self.survey();
-        overdue
-    }
-
-    fn survey(&mut self) {
-        self.wait = self.rpdos.iter().any(Rpdo::waits);
-        let due = self.rpdos.iter().map(Rpdo::expires_at).min();
-        self.expires_at = due.unwrap_or(Deadline::NEVER);
+        let mut numbered = (0..).zip(&mut self.rpdos);
+        numbered.find_map(|(number, rpdo)| rpdo.take_expired(now).then_some(number))
     }
 }

@@ -16,18 +16,16 @@ impl<A: Application, const LEN: usize> Target<'_, A, LEN> {
     /// compared with what they were. Whether there are any.
     pub(super) fn take_over(&mut self, number: u16, mapped: Mapped<'_>) -> bool {
         match self.application.receive(number, &mapped) {
-            Written::Taken if self.tpdos.may_watch(mapped.span()) => {
+            Written::Taken => {
+                let watched = self.tpdos.may_watch(mapped.slots());
                 for (slot, raw) in mapped.iter() {
-                    if self.values.raw(slot) != raw {
-                        self.values.set_raw(slot, raw);
+                    let changed = watched && self.values.raw(slot) != raw;
+                    self.values.set_raw(slot, raw);
+                    if changed {
                         self.tpdos.note_change(slot);
                     }
                 }
-                true
-            }
-            Written::Taken => {
-                mapped.iter().for_each(|(slot, raw)| self.values.set_raw(slot, raw));
-                false
+                watched
             }
             Written::Ignored => false,
         }

@@ -1,14 +1,13 @@
 use object_dictionary::{Slot, Values};
 use units::{Duration, Instant};
 
-use super::mapping::Mapping;
-use super::span::Span;
+use super::MAPPING;
+use super::description::Description;
+use super::slots::Slots;
 use super::transmission::Transmission;
-use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
 use crate::outbox::Outbox;
-use crate::parameter::parameter;
 use crate::settings::{PdoRules, RemoteRequests};
 
 /// A transmit PDO (CiA 301, section 7.2.2; objects 0x1800 and 0x1A00 and following).
@@ -22,23 +21,14 @@ use crate::settings::{PdoRules, RemoteRequests};
 /// A remote frame is answered at once, whatever the inhibit time says.
 #[derive(Debug)]
 pub(super) struct Tpdo {
-    number: u16,
-    parameters: Parameters,
-    mapping: Mapping,
+    description: Description,
+    transmission: Transmission,
+    /// The identifier of the remote frames it answers, or none.
+    remote_id: CanId,
+    inhibit_time: Duration,
     inhibited_until: Instant,
     /// Only while the node is Operational and the PDO switched on.
     progress: Option<Progress>,
-}
-
-/// The communication parameter as the stack uses it.
-#[derive(Clone, Copy, Debug)]
-struct Parameters {
-    cob_id: CobId,
-    transmission: Transmission,
-    inhibit_time: Duration,
-    event_time: Duration,
-    sync_start: u8,
-    remote_requests: RemoteRequests,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,82 +38,91 @@ struct Progress {
     timer_at: Deadline,
     /// SYNCs up to the next frame; 0 before the first that counts.
     syncs_left: u8,
-    /// The frame with the values at the last SYNC, where remote frames ask for that.
-    sampled: Option<Frame>,
+    /// The data at the last SYNC, where remote frames ask for that.
+    sampled: Option<u64>,
 }
 
 impl Tpdo {
-    /// The PDO 0x1800 + `number`. `None` when the product does not have it.
-    pub(super) fn new<const LEN: usize>(
-        number: u16,
-        values: &Values<LEN>,
-        rules: &PdoRules,
-    ) -> Option<Self> {
-        Some(Self {
-            number,
-            parameters: Parameters::read(number, values, rules)?,
-            mapping: Mapping::read(values, MAPPING + number),
+    /// One that is switched off.
+    pub(super) fn off() -> Self {
+        Self {
+            description: Description::off(),
+            transmission: Transmission::Never,
+            remote_id: CanId::NONE,
+            inhibit_time: Duration::ZERO,
             inhibited_until: Instant::ZERO,
             progress: None,
-        })
+        }
     }
 
-    /// Its place among the transmit PDOs, from 0.
-    pub(super) const fn number(&self) -> u16 {
-        self.number
+    /// The identifier of its frames; none while it is switched off.
+    pub(super) const fn id(&self) -> CanId {
+        self.description.id
     }
 
-    /// Whether `index` is its communication parameter or its mapping.
-    pub(super) const fn is_described_by(&self, index: u16) -> bool {
-        index == COMMUNICATION + self.number || index == MAPPING + self.number
-    }
-
-    /// Whether frames with this identifier are its own.
-    pub(super) fn sends(&self, id: CanId) -> bool {
-        self.parameters.cob_id.is_valid_with(id)
+    /// The identifier of the remote frames it answers; none where it does not.
+    pub(super) const fn remote_id(&self) -> CanId {
+        self.remote_id
     }
 
     /// Whether it goes out with a SYNC.
     pub(super) const fn follows_sync(&self) -> bool {
-        self.parameters.transmission.follows_sync()
+        self.transmission.follows_sync()
     }
 
-    /// The identifier of the remote frames it answers.
-    pub(super) const fn remote_id(&self) -> Option<CanId> {
-        self.parameters.remote_id()
+    /// The slots whose changes are events.
+    pub(super) const fn watched(&self) -> Slots {
+        if self.transmission.follows_changes() {
+            self.description.mapping.slots()
+        } else {
+            Slots::EMPTY
+        }
     }
 
-    /// Where the slots lie whose changes are events now.
-    pub(super) fn watched(&self) -> Span {
-        let watches = self.progress.is_some() && self.parameters.transmission.follows_changes();
-        if watches { self.mapping.span() } else { Span::EMPTY }
-    }
-
-    /// Takes its objects over again. A PDO in progress goes on; one that now has another
-    /// identifier, type or mapping begins anew.
+    /// Takes its objects over. A PDO in progress goes on; one that now has another identifier, type
+    /// or mapping begins anew.
     pub(super) fn reread<const LEN: usize>(
         &mut self,
         now: Instant,
+        index: u16,
         values: &Values<LEN>,
         rules: &PdoRules,
     ) {
-        let Some(again) = Self::new(self.number, values, rules) else { return };
-        let before = core::mem::replace(self, again);
-        let kind = |tpdo: &Self| (tpdo.parameters.cob_id.valid(), tpdo.parameters.transmission);
-        self.inhibited_until = before.inhibited_until.min(now + self.parameters.inhibit_time);
-        if kind(&before) == kind(self) && before.mapping == self.mapping {
-            let timer_at = self.parameters.timer_from(now);
-            self.progress = before.progress.map(|progress| Progress { timer_at, ..progress });
+        let before = (self.id(), self.transmission);
+        self.description.reread(values, index & !MAPPING);
+        self.transmission = Transmission::new(self.description.transmission_type, rules);
+        self.inhibit_time = rules.inhibit_unit * u64::from(self.description.inhibit_time);
+        self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
+        let answers = match rules.remote_requests {
+            RemoteRequests::AllTypes => true,
+            RemoteRequests::RemoteTypes => self.transmission.is_remote_only(),
+        };
+        let answers = answers && self.description.allows_remote;
+        self.remote_id = if answers { self.id() } else { CanId::NONE };
+        if before != (self.id(), self.transmission) || index & MAPPING != 0 {
+            self.progress = None;
+        }
+        let timer_at = self.timer_from(now);
+        if let Some(progress) = &mut self.progress {
+            progress.timer_at = timer_at;
+        }
+    }
+
+    /// When the event timer elapses if it starts now.
+    fn timer_from(&self, now: Instant) -> Deadline {
+        if self.transmission.follows_timer() {
+            Deadline::after(now, self.description.event_time())
+        } else {
+            Deadline::NEVER
         }
     }
 
     /// The node is Operational. A PDO in progress goes on.
     pub(super) fn start(&mut self, now: Instant) {
-        let is_on = self.parameters.cob_id.valid().is_some() && self.mapping.byte_len() > 0;
-        if is_on && self.progress.is_none() {
+        if self.id() != CanId::NONE && self.progress.is_none() {
             self.progress = Some(Progress {
-                event: self.parameters.transmission.follows_changes(),
-                timer_at: self.parameters.timer_from(now),
+                event: self.transmission.follows_changes(),
+                timer_at: self.timer_from(now),
                 syncs_left: 0,
                 sampled: None,
             });
@@ -137,20 +136,15 @@ impl Tpdo {
 
     /// The value at `slot` changed.
     pub(super) fn note_change(&mut self, slot: Slot) {
-        if let Some(progress) = &mut self.progress
-            && self.parameters.transmission.follows_changes()
-            && self.mapping.carries(slot)
-        {
-            progress.event = true;
+        if self.transmission.follows_changes() && self.description.mapping.carries(slot) {
+            self.trigger();
         }
     }
 
     /// The product has an event of its own.
     pub(super) fn trigger(&mut self) {
-        if let Some(progress) = &mut self.progress
-            && self.parameters.transmission.has_events()
-        {
-            progress.event = true;
+        if let Some(progress) = &mut self.progress {
+            progress.event = self.transmission.has_events();
         }
     }
 
@@ -163,131 +157,85 @@ impl Tpdo {
         outbox: &mut Outbox,
     ) {
         let Some(progress) = &mut self.progress else { return };
-        let goes = match self.parameters.transmission {
+        let goes = match self.transmission {
             Transmission::EverySync { nth } => {
-                progress.count_sync(counter, self.parameters.sync_start, nth)
+                progress.count_sync(counter, self.description.sync_start, nth)
             }
             Transmission::SyncAfterEvent => core::mem::take(&mut progress.event),
             Transmission::RemoteFromSync => {
-                self.sample(values);
+                progress.sampled = Some(self.description.mapping.gather(values));
                 false
             }
             Transmission::Remote | Transmission::Event(_) | Transmission::Never => false,
         };
         if goes {
-            outbox.supersede(self.frame(values));
+            self.send(values, outbox);
         }
     }
 
-    fn sample<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let sampled = self.frame(values);
-        if let Some(progress) = &mut self.progress {
-            progress.sampled = Some(sampled);
-        }
-    }
-
-    /// The frame that a remote frame with its identifier asks for.
+    /// Takes a remote frame with its identifier.
     pub(super) fn handle_remote<const LEN: usize>(
         &mut self,
         now: Instant,
         values: &Values<LEN>,
-    ) -> Option<Frame> {
-        let progress = self.progress?;
-        match self.parameters.transmission {
-            Transmission::Event(_) => self.transmit(now, values),
-            Transmission::SyncAfterEvent
-            | Transmission::EverySync { .. }
-            | Transmission::RemoteFromSync
-            | Transmission::Remote
-            | Transmission::Never => Some(progress.sampled.unwrap_or_else(|| self.frame(values))),
+        outbox: &mut Outbox,
+    ) {
+        match (self.transmission, &self.progress) {
+            (_, None) => {}
+            (Transmission::Event(_), _) => self.transmit(now, values, outbox),
+            (_, Some(Progress { sampled: Some(data), .. })) => outbox.supersede(self.frame(*data)),
+            (_, Some(Progress { sampled: None, .. })) => self.send(values, outbox),
         }
     }
 
     /// When an event or the event timer lets it go out, as things stand.
     pub(super) fn due_at(&self) -> Deadline {
-        match (self.progress, self.parameters.transmission) {
-            (Some(Progress { event: true, .. }), Transmission::Event(_)) => {
-                Deadline::at(self.inhibited_until)
-            }
-            (Some(Progress { timer_at, .. }), _) => {
-                timer_at.max(Deadline::at(self.inhibited_until))
-            }
+        let inhibited_until = Deadline::at(self.inhibited_until);
+        match (&self.progress, self.transmission) {
+            (Some(Progress { event: true, .. }), Transmission::Event(_)) => inhibited_until,
+            (Some(progress), _) => progress.timer_at.max(inhibited_until),
             (None, _) => Deadline::NEVER,
         }
     }
 
-    /// The frame with the present values, counted as sent for an event.
+    /// Goes out for an event.
     pub(super) fn transmit<const LEN: usize>(
         &mut self,
         now: Instant,
         values: &Values<LEN>,
-    ) -> Option<Frame> {
-        let progress = self.progress.as_mut()?;
-        progress.event = false;
-        if let Some(timer_at) = progress.timer_at.instant() {
-            let next_at = timer_at + self.parameters.event_time;
-            let in_step = timer_at <= now && next_at > now;
-            progress.timer_at =
-                Deadline::at(if in_step { next_at } else { now + self.parameters.event_time });
+        outbox: &mut Outbox,
+    ) {
+        if let Some(progress) = &mut self.progress {
+            progress.event = false;
+            if progress.timer_at != Deadline::NEVER {
+                let from = progress.timer_at.min(Deadline::at(now));
+                progress.timer_at = from.next(now, self.description.event_time());
+            }
         }
-        self.inhibited_until = now + self.parameters.inhibit_time;
-        Some(self.frame(values))
+        self.inhibited_until = now + self.inhibit_time;
+        self.send(values, outbox);
     }
 
-    /// The frame with the present values.
-    fn frame<const LEN: usize>(&self, values: &Values<LEN>) -> Frame {
-        let data = self.mapping.gather(values).to_le_bytes();
-        Frame::padded_from(self.parameters.cob_id.can_id(), data, self.mapping.byte_len())
+    /// Sends the present values.
+    fn send<const LEN: usize>(&self, values: &Values<LEN>, outbox: &mut Outbox) {
+        outbox.supersede(self.frame(self.description.mapping.gather(values)));
+    }
+
+    fn frame(&self, data: u64) -> Frame {
+        Frame::padded_from(self.id(), data.to_le_bytes(), self.description.mapping.byte_len())
     }
 }
 
 impl Progress {
     /// Counts a SYNC. Whether it is the n-th, which begins the next count.
-    fn count_sync(&mut self, counter: Option<u8>, start: u8, nth: u8) -> bool {
+    fn count_sync(&mut self, counter: Option<u8>, start: u32, nth: u8) -> bool {
         let left = match (self.syncs_left, counter) {
-            (0, Some(counter)) if start > 0 && counter != start => return false,
+            (0, Some(counter)) if start > 0 && u32::from(counter) != start => return false,
             (0, _) => nth,
             (left, _) => left,
         };
         let goes = left == 1;
         self.syncs_left = if goes { nth } else { left.saturating_sub(1) };
         goes
-    }
-}
-
-const COMMUNICATION: u16 = 0x1800;
-const MAPPING: u16 = 0x1A00;
-
-impl Parameters {
-    /// `None` when the product has no such PDO.
-    fn read<const LEN: usize>(number: u16, values: &Values<LEN>, rules: &PdoRules) -> Option<Self> {
-        let index = COMMUNICATION + number;
-        let value = |sub| parameter(values, index, sub);
-        let [sync_start, ..] = value(6).unwrap_or(0).to_le_bytes();
-        Some(Self {
-            cob_id: CobId::from_raw(value(1)?),
-            transmission: Transmission::new(value(2)?, rules),
-            inhibit_time: rules.inhibit_unit * u64::from(value(3).unwrap_or(0)),
-            event_time: Duration::from_millis(u64::from(value(5).unwrap_or(0))),
-            sync_start,
-            remote_requests: rules.remote_requests,
-        })
-    }
-
-    /// When the event timer elapses if it starts now.
-    fn timer_from(&self, now: Instant) -> Deadline {
-        if self.transmission.follows_timer() {
-            Deadline::after(now, self.event_time)
-        } else {
-            Deadline::NEVER
-        }
-    }
-
-    const fn remote_id(&self) -> Option<CanId> {
-        let answers = match self.remote_requests {
-            RemoteRequests::AllTypes => true,
-            RemoteRequests::RemoteTypes => self.transmission.is_remote_only(),
-        };
-        if answers && self.cob_id.allows_remote() { self.cob_id.valid() } else { None }
     }
 }

@@ -281,8 +281,10 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         if !possible {
             return Err(self.settings.abort_codes.value_range);
         }
-        pdo::check(self.values, &self.settings.pdo, object, raw)?;
-        sync::check(self.values, object, raw)
+        match object.index {
+            0x1400..=0x1BFF => pdo::check(self.values, &self.settings.pdo, object, raw),
+            _ => sync::check(self.values, object, raw),
+        }
     }
 }
 
