@@ -122,6 +122,12 @@ impl Frame {
         self.data
     }
 
+    /// [`Self::padded`] as two words, little endian.
+    pub(crate) const fn words(&self) -> (u32, u32) {
+        let ([low @ .., _, _, _, _], [_, _, _, _, high @ ..]) = (&self.data, &self.data);
+        (u32::from_le_bytes(*low), u32::from_le_bytes(*high))
+    }
+
     /// The data bytes; none in a remote frame.
     #[must_use]
     pub fn data(&self) -> &[u8] {

@@ -16,7 +16,7 @@ use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::parameter::parameter;
 use crate::pdo::{self, PDO_MAX, Rpdos, Target, Tpdos};
-use crate::sdo::{self, Effect, Message, Objects};
+use crate::sdo::{self, Effect, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
 use crate::sync::{self, Sync};
 use crate::time::{self, TimeOfDay};
@@ -232,8 +232,8 @@ impl<const LEN: usize> Node<LEN> {
         if !self.wake_at.is_due(now) {
             return;
         }
-        let given_up = self.sdo.handle_timeout(now, self.settings);
-        self.answer(given_up);
+        self.sdo.handle_timeout(now, self.settings);
+        self.answer();
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
@@ -367,8 +367,8 @@ impl<const LEN: usize> Node<LEN> {
     /// What became of [`Event::Store`] or [`Event::Restore`]: the client gets its answer, if it still
     /// waits.
     pub fn handle_stored(&mut self, outcome: Result<(), WriteError>) {
-        let answer = self.sdo.handle_stored(outcome, self.settings);
-        self.answer(answer);
+        self.sdo.handle_stored(outcome, self.settings);
+        self.answer();
         self.schedule();
     }
 
@@ -523,28 +523,27 @@ impl<const LEN: usize> Node<LEN> {
         }
         let waited = self.sdo.is_waiting();
         let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
-        let answer = self.sdo.handle(now, frame, &mut objects);
+        self.sdo.handle(now, frame, &mut objects);
         let effect = objects.effect();
-        self.answer(answer);
+        self.answer();
         if waited || self.sdo.is_waiting() {
             self.send_segment();
             self.schedule();
         }
         match effect {
-            Effect::None => {}
-            Effect::Changed(slot) => {
-                self.note_change(now, slot);
-                if self.wake_at.is_due(now) {
-                    self.handle_timeout(now, application);
-                }
-            }
-            Effect::Store { sub } => self.report(Event::Store { sub }),
-            Effect::Restore { sub } => self.report(Event::Restore { sub }),
+            Effect::None => return,
+            Effect::Changed(slot) => self.note_value(slot),
+            Effect::Configured(slot) => self.note_change(now, slot),
+            Effect::Store { sub } => return self.report(Event::Store { sub }),
+            Effect::Restore { sub } => return self.report(Event::Restore { sub }),
+        }
+        if self.wake_at.is_due(now) {
+            self.handle_timeout(now, application);
         }
     }
 
-    fn answer(&mut self, answer: Option<Message>) {
-        if let Some(answer) = answer {
+    fn answer(&mut self) {
+        if let Some(answer) = self.sdo.take_answer() {
             let id = Service::SdoResponse.id(self.node_id);
             self.outbox.push(Frame::full(id, answer.to_bytes()));
         }
@@ -561,8 +560,7 @@ impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     fn send_segment(&mut self) {
         let id = Service::SdoResponse.id(self.node_id);
-        if self.sdo.is_sending_block()
-            && !self.outbox.holds(id)
+        if !self.outbox.holds(id)
             && let Some(segment) = self.sdo.next_segment()
         {
             self.outbox.push(Frame::full(id, segment.to_bytes()));
@@ -845,13 +843,18 @@ impl<const LEN: usize> Node<LEN> {
     /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
     /// PDOs.
     fn note_change(&mut self, now: Instant, slot: Slot) {
-        if self.tpdos.may_follow(slot) {
-            self.tpdos.note_change(slot);
-            self.wake_by(self.tpdos.due_at());
-        }
+        self.note_value(slot);
         match self.values.dictionary().row(slot) {
             Some(row) if row.id().index < 0x2000 => self.follow_parameter(now, row.id()),
             Some(_) | None => {}
+        }
+    }
+
+    /// Marks the PDOs that follow a changed value.
+    fn note_value(&mut self, slot: Slot) {
+        if self.tpdos.may_follow(slot) {
+            self.tpdos.note_change(slot);
+            self.wake_by(self.tpdos.due_at());
         }
     }
 

@@ -1,6 +1,6 @@
 use object_dictionary::ObjectId;
 
-use crate::frame::DATA_MAX;
+use crate::frame::{DATA_MAX, Frame};
 
 /// Data bytes in an SDO segment.
 pub(super) const SEGMENT_LEN: usize = 7;
@@ -14,13 +14,15 @@ pub(crate) struct Message {
 }
 
 impl Message {
-    pub(super) const fn from_bytes(bytes: [u8; DATA_MAX]) -> Self {
-        let word = u64::from_le_bytes(bytes);
-        Self { head: low(word), data: low(word >> 32) }
+    /// The message in a frame, zeros where that is shorter.
+    pub(super) const fn received(frame: &Frame) -> Self {
+        let (head, data) = frame.words();
+        Self { head, data }
     }
 
     pub(crate) const fn to_bytes(self) -> [u8; DATA_MAX] {
-        (self.head as u64 | (self.data as u64) << 32).to_le_bytes()
+        let ([a, b, c, d], [e, f, g, h]) = (self.head.to_le_bytes(), self.data.to_le_bytes());
+        [a, b, c, d, e, f, g, h]
     }
 
     /// A message about an object.
@@ -58,10 +60,11 @@ pub(super) fn segment(command: u8, rest: &[u8]) -> Message {
     for (place, &byte) in data.iter_mut().zip(rest) {
         *place = byte;
     }
-    Message::from_bytes(bytes)
+    let [a, b, c, d, e, f, g, h] = bytes;
+    Message { head: u32::from_le_bytes([a, b, c, d]), data: u32::from_le_bytes([e, f, g, h]) }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "the lower half is what is asked for")]
-const fn low(word: u64) -> u32 {
-    word as u32
+/// A length as messages have it.
+pub(super) fn size(len: usize) -> u32 {
+    u32::try_from(len).unwrap_or(u32::MAX)
 }

@@ -4,11 +4,13 @@ use object_dictionary::{
 };
 
 use super::abort::AbortCode;
+use super::message::size;
 use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
 use crate::heartbeat;
 use crate::nmt::State;
+use crate::parameter::parameter;
 use crate::pdo;
 use crate::settings::{Expedited, Settings};
 use crate::sync;
@@ -42,6 +44,8 @@ pub(crate) enum Effect {
     None,
     /// The number at this slot was written.
     Changed(Slot),
+    /// A number of the communication was.
+    Configured(Slot),
     /// Parameters are to be stored.
     Store {
         /// Which.
@@ -75,8 +79,9 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         self.effect
     }
 
-    pub(super) const fn bring_about(&mut self, effect: Effect) {
-        self.effect = effect;
+    /// The request is refused after all.
+    pub(super) const fn give_up(&mut self) {
+        self.effect = Effect::None;
     }
 
     pub(super) const fn settings(&self) -> &'a Settings {
@@ -132,11 +137,6 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         place.extend_from_slice(bytes).map_err(|_| AbortCode::OUT_OF_MEMORY)
     }
 
-    /// Whether a value of `len` bytes could be written.
-    pub(super) fn check_len(&self, row: &Row, len: usize) -> Result<(), AbortCode> {
-        if len == row.data_type().len() { Ok(()) } else { Err(self.length_code(row)) }
-    }
-
     /// The code for a length that is not the entry's.
     pub(super) fn length_code(&self, row: &Row) -> AbortCode {
         match row.data_type() {
@@ -155,14 +155,13 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     pub(super) fn check_other_len(
         &self,
         row: &Row,
-        indicated: Option<u8>,
+        indicated: Option<u32>,
         data: u32,
     ) -> Result<(), AbortCode> {
         let (expedited, codes) = (self.settings.expedited, &self.settings.abort_codes);
-        let (len, is_text) = (row.data_type().len(), row.data_type().is_text());
-        let fits = match (expedited, indicated.map(usize::from)) {
-            (Expedited::FourOnly, Some(4)) => len == 4 || !is_text,
-            (Expedited::FourOnly, _) => false,
+        let (len, is_text) = (size(row.data_type().len()), row.data_type().is_text());
+        let fits = match (expedited, indicated) {
+            (Expedited::FourOnly, indicated) => indicated == Some(4) && (len == 4 || !is_text),
             (Expedited::LongerToo, Some(indicated)) => indicated >= len,
             (Expedited::AnyLength | Expedited::OneTwoOrFour, Some(indicated)) => indicated == len,
             (Expedited::LongerToo | Expedited::AnyLength | Expedited::OneTwoOrFour, None) => {
@@ -176,17 +175,23 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             return Err(codes.above_maximum);
         }
         match codes.excess_bytes {
-            Some(code) if indicated.is_none() && has_excess(data, len) => Err(code),
+            Some(code) if indicated.is_none() && data.checked_shr(8 * len).unwrap_or(0) != 0 => {
+                Err(code)
+            }
             Some(_) | None => Ok(()),
         }
     }
 
-    /// Writes a value of several messages after the remaining checks.
-    pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<Effect, AbortCode> {
-        self.check_access(entry.row)?;
-        self.check_len(entry.row, bytes.len())?;
-        if entry.row.data_type().is_text() {
-            return self.write_text(entry, bytes);
+    /// Writes a value after the remaining checks.
+    pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<(), AbortCode> {
+        let Entry { slot, row } = entry;
+        self.check_access(row)?;
+        if bytes.len() != row.data_type().len() {
+            return Err(self.length_code(row));
+        }
+        if row.data_type().is_text() {
+            let written = self.application.write_text(slot, row, bytes);
+            return written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes));
         }
         let mut le = [0; 4];
         for (byte, &sent) in le.iter_mut().zip(bytes) {
@@ -195,16 +200,9 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         self.write_number(entry, u32::from_le_bytes(le))
     }
 
-    /// Writes a text of the right length.
-    pub(super) fn write_text(&mut self, entry: Entry, text: &[u8]) -> Result<Effect, AbortCode> {
-        let written = self.application.write_text(entry.slot, entry.row, text);
-        written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes))?;
-        Ok(Effect::None)
-    }
-
     /// Writes the number that the low bytes of `raw` are after the remaining checks.
     #[inline]
-    pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<Effect, AbortCode> {
+    pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<(), AbortCode> {
         let Entry { slot, row } = entry;
         let codes = &self.settings.abort_codes;
         let raw = row.data_type().widen(raw);
@@ -213,21 +211,26 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             OutOfLimits::Below => codes.below_minimum,
             OutOfLimits::Beside => codes.value_range,
         })?;
-        let mut acts_again = false;
+        let (mut effect, mut acts_again) = (Effect::Changed(slot), false);
         if row.id().index < COMMUNICATION_END {
             match row.id().index {
-                STORE | RESTORE => return command(row.id(), raw),
+                STORE | RESTORE => {
+                    self.effect = command(row.id(), raw)?;
+                    return Ok(());
+                }
                 index => acts_again = index == heartbeat::CONSUMER_TIME,
             }
             self.check_communication(row.id(), raw)?;
+            effect = Effect::Configured(slot);
         }
-        let written = self.application.write(slot, row, raw);
-        match written.map_err(|error| AbortCode::of_write(error, codes))? {
-            Written::Taken if self.values.raw(slot) != raw || acts_again => {
+        match self.application.write(slot, row, raw) {
+            Ok(Written::Taken) if self.values.raw(slot) != raw || acts_again => {
                 self.values.set_raw(slot, raw);
-                Ok(Effect::Changed(slot))
+                self.effect = effect;
+                Ok(())
             }
-            Written::Taken | Written::Ignored => Ok(Effect::None),
+            Ok(Written::Taken | Written::Ignored) => Ok(()),
+            Err(error) => Err(AbortCode::of_write(error, codes)),
         }
     }
 
@@ -250,9 +253,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 
     /// Whether an entry of the pre-defined error field holds no error.
     fn is_empty_error(&self, sub: u8) -> bool {
-        let count = ObjectId { index: emcy::HISTORY, sub: 0 };
-        let count = self.values.dictionary().find(count);
-        count.is_ok_and(|count| u32::from(sub) > self.values.raw(count))
+        parameter(self.values, emcy::HISTORY, 0).is_some_and(|count| u32::from(sub) > count)
     }
 
     fn find(&self, object: ObjectId) -> Result<Entry, AbortCode> {
@@ -286,11 +287,6 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             _ => sync::check(self.values, object, raw),
         }
     }
-}
-
-/// Whether one of the bytes behind the first `len` is not zero.
-fn has_excess(data: u32, len: usize) -> bool {
-    data.to_le_bytes().iter().skip(len).any(|&byte| byte != 0)
 }
 
 /// The first index behind the objects of the communication.
