@@ -18,14 +18,11 @@
 //! | inquire identity, node-ID | 0x5A to 0x5D, 0x5E | the same |
 
 mod bit_rate;
-mod identity;
-mod request;
 mod settings;
 mod slave;
 
 pub use bit_rate::BitRate;
-pub use identity::Identity;
 pub use settings::{Addressing, Identification, RequestLength, Selection, Settings, Unconfigured};
-pub use slave::{Event, Reaction, Slave, StoreError};
+pub use slave::{Event, Identity, Reaction, Slave, StoreError};
 
 pub(crate) use slave::{REQUEST, RESPONSE};

@@ -567,13 +567,13 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn follow(&mut self, reaction: lss::Reaction) {
-        if let Some(response) = reaction.response {
-            self.outbox.push(response);
-        }
-        match reaction.event {
-            Some(event @ lss::Event::ActivateBitTiming { .. }) => self.leave(Event::Lss(event)),
-            Some(event) => self.report(Event::Lss(event)),
+    fn follow(&mut self, reaction: Option<lss::Reaction>) {
+        match reaction {
+            Some(lss::Reaction::Response(response)) => self.outbox.push(response),
+            Some(lss::Reaction::Event(event @ lss::Event::ActivateBitTiming { .. })) => {
+                self.leave(Event::Lss(event));
+            }
+            Some(lss::Reaction::Event(event)) => self.report(Event::Lss(event)),
             None => {}
         }
     }

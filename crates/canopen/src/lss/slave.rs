@@ -1,9 +1,11 @@
+use core::mem;
+
 use units::Duration;
 
 use super::bit_rate::BitRate;
-use super::identity::{Identity, Part};
-use super::request::{Bound, Fastscan, Request};
-use super::settings::{Addressing, Identification, Selection, Settings, Unconfigured};
+use super::settings::{
+    Addressing, Identification, RequestLength, Selection, Settings, Unconfigured,
+};
 use crate::cob_id::NodeId;
 use crate::frame::{CanId, Frame};
 
@@ -17,14 +19,26 @@ const UNCONFIGURED: u8 = 0xFF;
 /// In a switch selective: every device of the vendor.
 const EVERY: u32 = u32::MAX;
 
+const SWITCH_GLOBAL: u8 = 0x04;
 const CONFIGURE_NODE_ID: u8 = 0x11;
 const CONFIGURE_BIT_TIMING: u8 = 0x13;
+const ACTIVATE_BIT_TIMING: u8 = 0x15;
 const STORE: u8 = 0x17;
+const SELECT_VENDOR: u8 = 0x40;
+const SELECT_SERIAL: u8 = 0x43;
 const SELECTED: u8 = 0x44;
+const IDENTIFY_VENDOR: u8 = 0x46;
+const IDENTIFY_SERIAL_MAX: u8 = 0x4B;
+const IDENTIFY_NON_CONFIGURED: u8 = 0x4C;
 const IDENTIFIED: u8 = 0x4F;
 const NON_CONFIGURED: u8 = 0x50;
-const INQUIRE_IDENTITY: u8 = 0x5A;
+const FASTSCAN: u8 = 0x51;
+const INQUIRE_VENDOR: u8 = 0x5A;
+const INQUIRE_SERIAL: u8 = 0x5D;
 const INQUIRE_NODE_ID: u8 = 0x5E;
+
+/// The place of the serial number, the last part of an identity.
+const SERIAL: u8 = 3;
 
 const SUCCESS: u8 = 0;
 const OUT_OF_RANGE: u8 = 1;
@@ -36,18 +50,22 @@ const OUT_OF_RANGE: u8 = 1;
 #[derive(Debug)]
 pub struct Slave {
     settings: &'static Settings,
-    identity: Identity,
+    /// Its parts in the order of the identity object.
+    identity: [u32; 4],
     node_id: Option<NodeId>,
     pending_node_id: Option<NodeId>,
     pending_bit_rate: Option<BitRate>,
     state: State,
-    /// What a switch selective said so far.
-    selected: Selected,
+    /// What of a switch selective was the own identity so far.
+    own: Parts,
+    /// What of a switch selective was the own vendor, and every product, revision and serial number.
+    open: Parts,
     /// The identify frames that fitted so far, in their order.
     identified: u8,
     /// The part of the identity that a fastscan asks for next.
-    scanned: Part,
-    storing: Option<Storing>,
+    scanned: u8,
+    /// The command of the answer that a master gets when its configuration is stored.
+    storing: Option<u8>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,28 +78,30 @@ enum State {
     },
 }
 
-/// What a master waits for an answer to.
+/// A set of parts of the identity: bit n is part n.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Parts(u8);
+
+/// What tells one device from every other: the identity object (0x1018:01 to 04).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Storing {
-    Configuration,
-    Offer,
+pub struct Identity {
+    /// The vendor-ID that CiA gave out.
+    pub vendor_id: u32,
+    /// The product code.
+    pub product_code: u32,
+    /// The revision number.
+    pub revision: u32,
+    /// The serial number, unique among devices of one product and revision.
+    pub serial: u32,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Selected {
-    identity: Identity,
-    /// Bit n is set when part n came.
-    parts: u8,
-}
-
-/// What comes of an input.
-#[must_use]
+/// What comes of an input, if anything does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reaction {
-    /// The answer to send.
-    pub response: Option<Frame>,
-    /// What the core above has to know.
-    pub event: Option<Event>,
+pub enum Reaction {
+    /// An answer to send.
+    Response(Frame),
+    /// Something that the core above has to know.
+    Event(Event),
 }
 
 /// What the core above a slave has to know.
@@ -130,36 +150,27 @@ pub enum StoreError {
     AccessFailed,
 }
 
-impl Reaction {
-    const NONE: Self = Self { response: None, event: None };
+impl Parts {
+    const ALL: Self = Self(0b1111);
 
-    const fn answer(command: u8, [a, b, c, d]: [u8; 4]) -> Self {
-        Self { response: Some(Frame::full(RESPONSE, [command, a, b, c, d, 0, 0, 0])), event: None }
-    }
-
-    const fn result(command: u8, code: u8) -> Self {
-        Self::answer(command, [code, 0, 0, 0])
-    }
-
-    const fn event(event: Event) -> Self {
-        Self { response: None, event: Some(event) }
+    fn note(&mut self, part: u8, fits: bool) {
+        self.0 = self.0 & !(1 << part) | u8::from(fits) << part;
     }
 }
 
-impl Selected {
-    const NONE: Self = Self {
-        identity: Identity { vendor_id: 0, product_code: 0, revision: 0, serial: 0 },
-        parts: 0,
-    };
-    const ALL_PARTS: u8 = 0b1111;
-
-    fn take(&mut self, part: Part, value: u32) {
-        self.identity.set_part(part, value);
-        self.parts |= 1 << part.number();
-    }
-
-    fn is(&self, identity: &Identity) -> bool {
-        self.parts == Self::ALL_PARTS && self.identity == *identity
+impl RequestLength {
+    /// The fewest bytes of a request with this command.
+    const fn least(self, command: u8) -> u8 {
+        match self {
+            Self::Eight => 8,
+            Self::AsNeeded => match command {
+                STORE | IDENTIFY_NON_CONFIGURED | INQUIRE_VENDOR..=INQUIRE_NODE_ID => 1,
+                SWITCH_GLOBAL | CONFIGURE_NODE_ID => 2,
+                CONFIGURE_BIT_TIMING | ACTIVATE_BIT_TIMING => 3,
+                FASTSCAN => 8,
+                _ => 5,
+            },
+        }
     }
 }
 
@@ -171,88 +182,86 @@ impl Slave {
         identity: Identity,
         node_id: Option<NodeId>,
     ) -> Self {
+        let Identity { vendor_id, product_code, revision, serial } = identity;
         Self {
             settings,
-            identity,
+            identity: [vendor_id, product_code, revision, serial],
             node_id,
             pending_node_id: node_id,
             pending_bit_rate: None,
             state: State::Waiting,
-            selected: Selected::NONE,
+            own: Parts(0),
+            open: Parts(0),
             identified: 0,
-            scanned: Part::Vendor,
+            scanned: 0,
             storing: None,
         }
     }
 
     /// Takes a received frame in. Frames that are no requests change nothing.
-    pub fn handle_frame(&mut self, frame: &Frame) -> Reaction {
-        if frame.id() != REQUEST || frame.is_remote() {
-            return Reaction::NONE;
+    #[must_use]
+    pub fn handle_frame(&mut self, frame: &Frame) -> Option<Reaction> {
+        let [command, a, b, c, d, e, f, g] = frame.padded();
+        let is_request = frame.id() == REQUEST && !frame.is_remote();
+        if !is_request || frame.dlc() < self.settings.request_length.least(command) {
+            return None;
         }
-        let Some(request) = Request::parse(frame.data(), self.settings.request_length) else {
-            return Reaction::NONE;
-        };
-        match request {
-            Request::SwitchToWaiting => self.switch_to(State::Waiting),
-            Request::SwitchToConfiguration => self.switch_to(State::Configuration),
-            Request::Select { part, value } => self.select(part, value),
-            Request::Identify { bound, value } => self.identify(bound, value),
-            Request::IdentifyNonConfigured => self.identify_non_configured(),
-            Request::Fastscan(question) => self.fastscan(question),
-            Request::ConfigureNodeId { node_id } => self.configure_node_id(node_id),
-            Request::ConfigureBitTiming { table, index } if self.configures() => {
-                self.configure_bit_timing(table, index)
+        let value = u32::from_le_bytes([a, b, c, d]);
+        match command {
+            SWITCH_GLOBAL => match a {
+                0 => self.switch_to(State::Waiting),
+                1 => self.switch_to(State::Configuration),
+                _ => None,
+            },
+            SELECT_VENDOR..=SELECT_SERIAL => self.select(command - SELECT_VENDOR, value),
+            IDENTIFY_VENDOR..=FASTSCAN if !self.identifies() => None,
+            IDENTIFY_VENDOR..=IDENTIFY_SERIAL_MAX => {
+                self.identify(command - IDENTIFY_VENDOR, value)
             }
-            Request::ActivateBitTiming { delay_ms } if self.configures() => {
-                self.activate_bit_timing(delay_ms)
+            IDENTIFY_NON_CONFIGURED if self.is_without_node_id() => respond(NON_CONFIGURED, 0),
+            FASTSCAN => self.fastscan(value, [e, f, g]),
+            CONFIGURE_NODE_ID => self.configure_node_id(a),
+            // All others are for a device in configuration.
+            _ if self.state != State::Configuration => None,
+            CONFIGURE_BIT_TIMING => self.configure_bit_timing(a, b),
+            ACTIVATE_BIT_TIMING => self.activate_bit_timing(u16::from_le_bytes([a, b])),
+            STORE => self.store(),
+            INQUIRE_VENDOR..=INQUIRE_SERIAL => {
+                respond(command, self.part(command - INQUIRE_VENDOR)?)
             }
-            Request::Store if self.configures() => self.store(),
-            Request::Inquire(part) if self.configures() => {
-                let value = self.identity.part(part).to_le_bytes();
-                Reaction::answer(INQUIRE_IDENTITY + part.number(), value)
+            INQUIRE_NODE_ID => {
+                respond(command, self.node_id.map_or(UNCONFIGURED, NodeId::get).into())
             }
-            Request::InquireNodeId if self.configures() => {
-                let node_id = self.node_id.map_or(UNCONFIGURED, NodeId::get);
-                Reaction::result(INQUIRE_NODE_ID, node_id)
-            }
-            Request::ConfigureBitTiming { .. }
-            | Request::ActivateBitTiming { .. }
-            | Request::Store
-            | Request::Inquire(_)
-            | Request::InquireNodeId => Reaction::NONE,
+            _ => None,
         }
     }
 
     /// The user touched the device: takes the node-ID on offer, once per offer.
-    pub fn take_offer(&mut self) -> Reaction {
-        let State::Addressing { offer } = &mut self.state else { return Reaction::NONE };
-        let Some(node_id) = offer.take_if(|_| self.storing.is_none()) else {
-            return Reaction::NONE;
-        };
-        self.storing = Some(Storing::Offer);
+    #[must_use]
+    pub fn take_offer(&mut self) -> Option<Reaction> {
+        let State::Addressing { offer } = &mut self.state else { return None };
+        let node_id = offer.take_if(|_| self.storing.is_none())?;
+        self.storing = Some(CONFIGURE_NODE_ID);
         self.pending_node_id = Some(node_id);
-        Reaction::event(Event::StoreNodeId { node_id })
+        Some(Reaction::Event(Event::StoreNodeId { node_id }))
     }
 
     /// The configuration of [`Event::Store`] or [`Event::StoreNodeId`] is stored, or is not. Nothing
     /// happens when none was to be. An offer that could not be stored stays unanswered: no device
     /// has it.
-    pub fn handle_stored(&mut self, outcome: Result<(), StoreError>) -> Reaction {
+    #[must_use]
+    pub fn handle_stored(&mut self, outcome: Result<(), StoreError>) -> Option<Reaction> {
         let code = match outcome {
             Ok(()) => SUCCESS,
             Err(StoreError::NotSupported) => 1,
             Err(StoreError::AccessFailed) => 2,
         };
-        match self.storing.take() {
-            Some(Storing::Configuration) => Reaction::result(STORE, code),
-            Some(Storing::Offer) if outcome.is_ok() => Reaction::result(CONFIGURE_NODE_ID, SUCCESS),
-            Some(Storing::Offer) => {
-                self.pending_node_id = self.node_id;
-                Reaction::NONE
-            }
-            None => Reaction::NONE,
+        let command = self.storing.take()?;
+        if command == CONFIGURE_NODE_ID && code != SUCCESS {
+            self.pending_node_id = self.node_id;
+            return None;
         }
+        respond(command, code.into())
     }
 
     /// The node-ID to build a node with at the next reset of the communication. `None`: the device
@@ -264,155 +273,134 @@ impl Slave {
 }
 
 impl Slave {
-    fn switch_to(&mut self, to: State) -> Reaction {
-        let from = core::mem::replace(&mut self.state, to);
-        match (from, to) {
-            (State::Addressing { .. }, State::Waiting | State::Configuration) => {
-                Reaction::event(Event::AddressingEnded)
-            }
+    /// To waiting or to configuration.
+    fn switch_to(&mut self, to: State) -> Option<Reaction> {
+        let event = match (mem::replace(&mut self.state, to), to) {
+            (State::Addressing { .. }, _) => Event::AddressingEnded,
             (State::Configuration, State::Waiting) if self.node_id.is_none() => {
                 self.node_id = self.pending_node_id;
-                let event = self.node_id.map(|node_id| Event::Configured { node_id });
-                Reaction { response: None, event }
+                Event::Configured { node_id: self.node_id? }
             }
-            (_, State::Waiting | State::Configuration | State::Addressing { .. }) => Reaction::NONE,
-        }
+            (State::Waiting | State::Configuration, _) => return None,
+        };
+        Some(Reaction::Event(event))
     }
 
     /// The serial number decides; the other parts may come in any order before.
-    fn select(&mut self, part: Part, value: u32) -> Reaction {
+    fn select(&mut self, part: u8, value: u32) -> Option<Reaction> {
         match (self.state, self.settings.selection) {
             (State::Waiting, _) | (State::Configuration, Selection::WhileWaitingOrConfiguring) => {}
             (State::Configuration, Selection::WhileWaiting) | (State::Addressing { .. }, _) => {
-                return Reaction::NONE;
+                return None;
             }
         }
-        self.selected.take(part, value);
-        if part != Part::Serial {
-            return Reaction::NONE;
+        let is_own = self.part(part) == Some(value);
+        self.own.note(part, is_own);
+        self.open.note(part, if part == 0 { is_own } else { value == EVERY });
+        if part != SERIAL {
+            return None;
         }
-        let selected = core::mem::replace(&mut self.selected, Selected::NONE);
-        if selected.is(&self.identity) {
-            let _ = self.switch_to(State::Configuration);
-            Reaction::result(SELECTED, 0)
-        } else if self.asks_for_addressing(&selected) {
-            self.switch_to(State::Addressing { offer: None })
+        let (own, open) = (mem::take(&mut self.own), mem::take(&mut self.open));
+        if own == Parts::ALL {
+            self.state = State::Configuration;
+            respond(SELECTED, 0)
+        } else if open == Parts::ALL && self.settings.addressing == Addressing::ConfiguredOrOffered
+        {
+            self.state = State::Addressing { offer: None };
+            None
         } else {
             self.switch_to(State::Waiting)
         }
     }
 
-    fn asks_for_addressing(&self, selected: &Selected) -> bool {
-        let every = Identity {
-            vendor_id: self.identity.vendor_id,
-            product_code: EVERY,
-            revision: EVERY,
-            serial: EVERY,
-        };
-        match self.settings.addressing {
-            Addressing::Configured => false,
-            Addressing::ConfiguredOrOffered => selected.is(&every),
-        }
-    }
-
-    fn identify(&mut self, bound: Bound, value: u32) -> Reaction {
-        let Identity { vendor_id, product_code, revision, serial } = self.identity;
-        let (step, fits) = match bound {
-            Bound::Vendor => (0, value == vendor_id),
-            Bound::Product => (1, value == product_code),
-            Bound::RevisionMin => (2, value <= revision),
-            Bound::RevisionMax => (3, value >= revision),
-            Bound::SerialMin => (4, value <= serial),
-            Bound::SerialMax => (5, value >= serial),
+    /// Vendor, product, both ends of a range of revisions and both of serial numbers, in this order.
+    fn identify(&mut self, step: u8, value: u32) -> Option<Reaction> {
+        let own = self.part(if step < 2 { step } else { step / 2 + 1 })?;
+        let fits = match step {
+            0 | 1 => value == own,
+            2 | 4 => value <= own,
+            _ => value >= own,
         };
         let follows = step == 0 || step == self.identified;
         self.identified = if follows && fits { step + 1 } else { 0 };
-        if self.identified == 6 && self.identifies() {
-            Reaction::answer(IDENTIFIED, [0; 4])
-        } else {
-            Reaction::NONE
-        }
+        if self.identified == 6 { respond(IDENTIFIED, 0) } else { None }
     }
 
-    fn identify_non_configured(&self) -> Reaction {
-        if self.identifies() && self.is_without_node_id() {
-            Reaction::answer(NON_CONFIGURED, [0; 4])
+    /// A binary search of the master for the identity of one device without a node-ID: whose `part`
+    /// equals `number` in bit 31 to bit `lowest_bit`? `next` is asked for afterwards.
+    fn fastscan(&mut self, number: u32, question: [u8; 3]) -> Option<Reaction> {
+        const BEGIN: u8 = 0x80;
+        let [lowest_bit, part, next] = question;
+        if self.state != State::Waiting || !self.is_without_node_id() {
+            return None;
+        }
+        if lowest_bit == BEGIN {
+            self.scanned = 0;
         } else {
-            Reaction::NONE
-        }
-    }
-
-    /// A binary search of the master for the identity of one device without a node-ID.
-    fn fastscan(&mut self, question: Fastscan) -> Reaction {
-        let takes_part = self.state == State::Waiting && self.is_without_node_id();
-        if !takes_part || !self.identifies() {
-            return Reaction::NONE;
-        }
-        match question {
-            Fastscan::Begin => self.scanned = Part::Vendor,
-            Fastscan::Compare { number, lowest_bit, part, next } => {
-                let differing = (self.identity.part(part) ^ number) >> lowest_bit;
-                if part != self.scanned || differing != 0 {
-                    return Reaction::NONE;
-                }
-                self.scanned = next;
-                if lowest_bit == 0 && next.number() < part.number() {
-                    let _ = self.switch_to(State::Configuration);
-                }
+            let differing = (self.part(part)? ^ number).checked_shr(lowest_bit.into())?;
+            if part != self.scanned || next > SERIAL || differing != 0 {
+                return None;
+            }
+            self.scanned = next;
+            if lowest_bit == 0 && next < part {
+                self.state = State::Configuration;
             }
         }
-        Reaction::answer(IDENTIFIED, [0; 4])
+        respond(IDENTIFIED, 0)
     }
 
-    fn configure_node_id(&mut self, node_id: u8) -> Reaction {
+    fn configure_node_id(&mut self, node_id: u8) -> Option<Reaction> {
+        let configured = NodeId::new(node_id);
         match &mut self.state {
-            State::Waiting => Reaction::NONE,
-            State::Addressing { offer } => match NodeId::new(node_id) {
-                Some(node_id) => {
-                    *offer = Some(node_id);
-                    Reaction::event(Event::Offered { node_id })
-                }
-                None => Reaction::NONE,
-            },
+            State::Waiting => None,
+            State::Addressing { offer } => {
+                let node_id = configured?;
+                *offer = configured;
+                Some(Reaction::Event(Event::Offered { node_id }))
+            }
             State::Configuration => {
                 let unconfigures = node_id == UNCONFIGURED
                     && self.settings.unconfigured == Unconfigured::Permitted;
-                let configured = NodeId::new(node_id);
                 if configured.is_none() && !unconfigures {
-                    return Reaction::result(CONFIGURE_NODE_ID, OUT_OF_RANGE);
+                    return respond(CONFIGURE_NODE_ID, OUT_OF_RANGE.into());
                 }
                 self.pending_node_id = configured;
-                Reaction::result(CONFIGURE_NODE_ID, SUCCESS)
+                respond(CONFIGURE_NODE_ID, SUCCESS.into())
             }
         }
     }
 
-    fn configure_bit_timing(&mut self, table: u8, index: u8) -> Reaction {
+    fn configure_bit_timing(&mut self, table: u8, index: u8) -> Option<Reaction> {
         const STANDARD_TABLE: u8 = 0;
-        let rate = BitRate::from_index(index)
-            .filter(|rate| table == STANDARD_TABLE && self.settings.bit_rates.contains(rate));
-        self.pending_bit_rate = rate.or(self.pending_bit_rate);
-        Reaction::result(CONFIGURE_BIT_TIMING, if rate.is_some() { SUCCESS } else { OUT_OF_RANGE })
+        let is_meant = |rate: &&BitRate| table == STANDARD_TABLE && rate.index() == index;
+        let code = match self.settings.bit_rates.iter().find(is_meant) {
+            Some(&rate) => {
+                self.pending_bit_rate = Some(rate);
+                SUCCESS
+            }
+            None => OUT_OF_RANGE,
+        };
+        respond(CONFIGURE_BIT_TIMING, code.into())
     }
 
-    fn activate_bit_timing(&self, delay_ms: u16) -> Reaction {
-        let delay = Duration::from_millis(u64::from(delay_ms));
-        let event = |bit_rate| Event::ActivateBitTiming { bit_rate, delay };
-        Reaction { response: None, event: self.pending_bit_rate.map(event) }
+    fn activate_bit_timing(&self, delay_ms: u16) -> Option<Reaction> {
+        let bit_rate = self.pending_bit_rate?;
+        let delay = Duration::from_millis(delay_ms.into());
+        Some(Reaction::Event(Event::ActivateBitTiming { bit_rate, delay }))
     }
 
     /// A master that does not wait for its answer gets one only.
-    fn store(&mut self) -> Reaction {
+    fn store(&mut self) -> Option<Reaction> {
         if self.storing.is_some() {
-            return Reaction::NONE;
+            return None;
         }
-        self.storing = Some(Storing::Configuration);
+        self.storing = Some(STORE);
         let (node_id, bit_rate) = (self.pending_node_id, self.pending_bit_rate);
-        Reaction::event(Event::Store { node_id, bit_rate })
+        Some(Reaction::Event(Event::Store { node_id, bit_rate }))
     }
 
-    fn configures(&self) -> bool {
-        self.state == State::Configuration
+    fn part(&self, part: u8) -> Option<u32> {
+        self.identity.get(usize::from(part)).copied()
     }
 
     fn identifies(&self) -> bool {
@@ -422,4 +410,10 @@ impl Slave {
     const fn is_without_node_id(&self) -> bool {
         self.node_id.is_none() && self.pending_node_id.is_none()
     }
+}
+
+#[inline(never)]
+fn respond(command: u8, value: u32) -> Option<Reaction> {
+    let [a, b, c, d] = value.to_le_bytes();
+    Some(Reaction::Response(Frame::full(RESPONSE, [command, a, b, c, d, 0, 0, 0])))
 }

@@ -1,6 +1,6 @@
 use canopen::lss::{Event, Identity, Settings, Slave};
 
-use crate::{IDENTITY, ask, bytes, check, full, id, select};
+use crate::{IDENTITY, NM17X, ask, bytes, check, full, id, select};
 
 fn slave() -> Slave {
     Slave::new(&Settings::CIA_305, IDENTITY, Some(id(5)))
@@ -31,6 +31,40 @@ fn short_requests_change_nothing() {
     assert_eq!(ask(&mut device, &bytes("04 01")), (None, None));
     check(&mut device, &[("5E", "-"), ("04 01", "-"), ("5E", "5E 05")]);
     assert_eq!(ask(&mut device, &bytes("5E 00 00 00 00 00 00")), (None, None));
+}
+
+/// Decision A-24, and the eight bytes of CiA 305.
+#[test]
+fn a_request_has_the_length_the_product_asks_for() {
+    let request = full("13 00 02");
+    for (dlc, eight, as_needed) in
+        [(0, false, false), (2, false, false), (3, false, true), (8, true, true)]
+    {
+        for (settings, answered) in [(&Settings::CIA_305, eight), (&NM17X, as_needed)] {
+            let mut device = Slave::new(settings, IDENTITY, Some(id(5)));
+            check(&mut device, &[("04 01", "-")]);
+            let expected = answered.then(|| full("13 00"));
+            assert_eq!(ask(&mut device, &request[..dlc]), (expected, None), "{dlc}");
+        }
+    }
+}
+
+#[test]
+fn reserved_commands_and_arguments_are_no_requests() {
+    let mut device = Slave::new(&Settings::CIA_305, IDENTITY, None);
+    let reserved = [
+        ("04 02", "-"),
+        ("44", "-"),
+        ("4F", "-"),
+        ("51 EC 00 00 00 20 00 01", "-"),
+        ("51 EC 00 00 00 1F 04 00", "-"),
+        ("51 EC 00 00 00 1F 00 04", "-"),
+        ("5F", "-"),
+    ];
+    check(&mut device, &reserved);
+    check(&mut device, &[("51 EC 00 00 00 1F 00 00", "4F"), ("04 01", "-")]);
+    check(&mut device, &reserved);
+    check(&mut device, &[("5E", "5E FF")]);
 }
 
 /// CiA 305, identify remote slave: both ends of both ranges count, in their order.

@@ -11,8 +11,8 @@ mod network;
 mod nm17x;
 
 use canopen::lss::{
-    Addressing, BitRate, Event, Identification, Identity, RequestLength, Selection, Settings,
-    Slave, Unconfigured,
+    Addressing, BitRate, Event, Identification, Identity, Reaction, RequestLength, Selection,
+    Settings, Slave, Unconfigured,
 };
 use canopen::{CanId, Frame, NodeId};
 
@@ -55,12 +55,19 @@ fn full(hex: &str) -> Vec<u8> {
 
 /// Sends a request; what the slave answers and tells.
 fn ask(slave: &mut Slave, data: &[u8]) -> (Option<Vec<u8>>, Option<Event>) {
-    let reaction = slave.handle_frame(&frame(REQUEST, data));
-    let answer = reaction.response.map(|frame| {
-        assert_eq!((frame.id().get(), frame.dlc()), (RESPONSE, 8));
-        frame.data().to_vec()
-    });
-    (answer, reaction.event)
+    apart(slave.handle_frame(&frame(REQUEST, data)))
+}
+
+/// What a slave answers and what it tells.
+fn apart(reaction: Option<Reaction>) -> (Option<Vec<u8>>, Option<Event>) {
+    match reaction {
+        Some(Reaction::Response(frame)) => {
+            assert_eq!((frame.id().get(), frame.dlc()), (RESPONSE, 8));
+            (Some(frame.data().to_vec()), None)
+        }
+        Some(Reaction::Event(event)) => (None, Some(event)),
+        None => (None, None),
+    }
 }
 
 /// Requests of eight bytes, and the start of the answer to each; `-` stands for none.

@@ -1,7 +1,7 @@
 use canopen::lss::{BitRate, Event, Identity, Slave, StoreError};
 use units::Duration;
 
-use crate::{IDENTITY, NM17X, ask, bytes, check, frame, full, id, select};
+use crate::{IDENTITY, NM17X, apart, ask, bytes, check, full, id, select};
 
 fn slave(serial: u32) -> Slave {
     Slave::new(&NM17X, Identity { serial, ..IDENTITY }, Some(id(0x7F)))
@@ -26,8 +26,7 @@ fn of_several_devices_the_one_selected_takes_the_node_id() {
         let (mut answered, event) = ask(&mut meant, &bytes(request));
         if let Some(Event::Store { node_id, bit_rate }) = event {
             assert_eq!((answered.take(), node_id, bit_rate), (None, Some(id(0x25)), None));
-            let stored = meant.handle_stored(Ok(())).response.unwrap();
-            answered = Some(stored.data().to_vec());
+            (answered, _) = apart(meant.handle_stored(Ok(())));
         }
         assert_eq!(answered, answer.map(bytes), "{name}");
         assert_eq!(ask(&mut other, &bytes(request)), (None, None), "{name}");
@@ -69,17 +68,16 @@ fn the_device_that_is_touched_takes_the_offer() {
             assert_eq!(ask(device, &bytes(request)), (None, offered), "{name}");
         }
         let device = devices.get_mut(touched).unwrap();
-        let taken = device.take_offer();
-        assert_eq!((taken.response, taken.event), (None, Some(Event::StoreNodeId { node_id })));
-        let stored = device.handle_stored(Ok(()));
-        assert_eq!((stored.response, stored.event), (Some(frame(0x7E4, &bytes(TAKEN))), None));
-        assert_eq!(device.take_offer().event, None, "once per offer");
+        let taken = Some(Event::StoreNodeId { node_id });
+        assert_eq!(apart(device.take_offer()), (None, taken));
+        assert_eq!(apart(device.handle_stored(Ok(()))), (Some(bytes(TAKEN)), None));
+        assert_eq!(device.take_offer(), None, "once per offer");
     }
     let pending = devices.each_ref().map(|device| device.pending_node_id().map(|id| id.get()));
     assert_eq!(pending, [Some(3), Some(2), Some(0x7F)]);
     for device in &mut devices {
         assert_eq!(ask(device, &bytes("04 00")), (None, Some(Event::AddressingEnded)));
-        assert_eq!(device.take_offer().event, None);
+        assert_eq!(device.take_offer(), None);
     }
 }
 
@@ -92,8 +90,7 @@ fn an_offer_that_could_not_be_stored_stays_unanswered() {
     }
     let _ = ask(&mut device, &bytes("11 02"));
     let _ = device.take_offer();
-    let failed = device.handle_stored(Err(StoreError::AccessFailed));
-    assert_eq!((failed.response, failed.event), (None, None));
+    assert_eq!(device.handle_stored(Err(StoreError::AccessFailed)), None);
     assert_eq!(device.pending_node_id(), Some(id(0x7F)));
 }
 
@@ -189,9 +186,8 @@ fn a_store_is_answered_once_when_it_is_done() {
         let event = Some(Event::Store { node_id: Some(id(0x7F)), bit_rate });
         assert_eq!(ask(&mut device, &bytes("17")), (None, event));
         assert_eq!(ask(&mut device, &bytes("17")), (None, None), "the first still waits");
-        let response = device.handle_stored(outcome).response;
-        assert_eq!(response, Some(frame(0x7E4, &full(answer))));
-        assert_eq!(device.handle_stored(Ok(())).response, None);
+        assert_eq!(apart(device.handle_stored(outcome)), (Some(full(answer)), None));
+        assert_eq!(device.handle_stored(Ok(())), None);
     }
 }
 
