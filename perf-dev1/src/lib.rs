@@ -31,8 +31,8 @@ pub trait Stack {
     /// A frame as the stack receives it.
     type Frame;
 
-    /// DEV1 after its boot-up message, in Pre-operational, at the time 0. Its inputs 0x6000 and
-    /// 0x6001 hold [`input_32`] and [`input_8`] of their sub-indices.
+    /// DEV1 at the time 0, in Pre-operational; its boot-up message may wait to be sent. Its inputs
+    /// 0x6000 and 0x6001 hold [`input_32`] and [`input_8`] of their sub-indices.
     fn new() -> Self;
 
     /// A data frame of `len` bytes, at most 8.

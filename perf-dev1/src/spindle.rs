@@ -5,7 +5,7 @@ use dev1::{DICTIONARY, Device, LEN};
 use object_dictionary::{ObjectId, Row, Slot};
 use units::Instant;
 
-use crate::{Bus, Memory, Stack, input_8, input_32};
+use crate::{Bus, Stack, input_8, input_32};
 
 /// The stack of this repository.
 #[derive(Debug)]
@@ -32,10 +32,7 @@ impl<D: Application + Default> Stack for Spindle<D> {
     type Frame = Frame;
 
     fn new() -> Self {
-        let mut stack = Self { node: dev1::node(), device: D::default() };
-        stack.start(Instant::ZERO);
-        stack.drain(Instant::ZERO, &Memory::default());
-        stack
+        Self { node: booted(Instant::ZERO), device: D::default() }
     }
 
     fn frame(id: u16, len: u8, data: [u8; 8]) -> Frame {
@@ -73,16 +70,6 @@ impl<D: Application + Default> Stack for Spindle<D> {
 }
 
 impl<D: Application + Default> Spindle<D> {
-    fn start(&mut self, now: Instant) {
-        for sub in 1..=4 {
-            self.node.set_value(now, slot(0x6000, sub), input_32(sub));
-        }
-        for sub in 1..=8 {
-            self.node.set_value(now, slot(0x6001, sub), u32::from(input_8(sub)));
-        }
-        self.node.boot(now);
-    }
-
     fn drain(&mut self, now: Instant, bus: &impl Bus) {
         while let Some(event) = self.node.poll_event() {
             self.follow(now, event);
@@ -101,8 +88,7 @@ impl<D: Application + Default> Spindle<D> {
     fn follow(&mut self, now: Instant, event: Event) {
         match event {
             Event::ResetNode | Event::ResetCommunication => {
-                self.node = dev1::node();
-                self.start(now);
+                self.node = booted(now);
             }
             Event::Store { .. } | Event::Restore { .. } => {
                 self.node.handle_stored(Err(WriteError::NotStored));
@@ -113,6 +99,21 @@ impl<D: Application + Default> Spindle<D> {
             _ => {}
         }
     }
+}
+
+/// The node of DEV1, whose inputs are there before its boot-up message.
+fn booted(now: Instant) -> Node<LEN> {
+    let mut node = dev1::node();
+    for (slot, row) in DICTIONARY.slots() {
+        let value = match row.id() {
+            ObjectId { index: 0x6000, sub: sub @ 1.. } => input_32(sub),
+            ObjectId { index: 0x6001, sub: sub @ 1.. } => input_8(sub).into(),
+            _ => continue,
+        };
+        node.set_value(now, slot, value);
+    }
+    node.boot(now);
+    node
 }
 
 fn slot(index: u16, sub: u8) -> Slot {

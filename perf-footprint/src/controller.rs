@@ -2,6 +2,8 @@
 
 use perf_dev1::Bus;
 
+use crate::register::{read, write};
+
 /// 125 kbit/s at 16 MHz: a prescaler of 8, 13 and 2 quanta, one of them to jump.
 const BIT_TIMING: u32 = 1 << 20 | 12 << 16 | 7;
 
@@ -82,14 +84,4 @@ impl Bus for Controller {
         write(TDH0R, u32::from_le_bytes([e, f, g, h]));
         write(TI0R, id << 21 | 1);
     }
-}
-
-#[expect(unsafe_code, reason = "a register of the CAN controller or its clock")]
-fn read(register: usize) -> u32 {
-    unsafe { (register as *const u32).read_volatile() }
-}
-
-#[expect(unsafe_code, reason = "a register of the CAN controller or its clock")]
-fn write(register: usize, value: u32) {
-    unsafe { (register as *mut u32).write_volatile(value) }
 }

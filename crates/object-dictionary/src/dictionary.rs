@@ -126,7 +126,7 @@ impl Dictionary {
 
     /// All slots, in ascending order of their objects.
     pub fn slots(&self) -> impl Iterator<Item = (Slot, &'static Row)> + use<> {
-        (0..=u16::MAX).map(Slot).zip(self.rows)
+        (0..VACANT).map(Slot).zip(self.rows)
     }
 }
 

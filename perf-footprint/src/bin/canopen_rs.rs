@@ -2,12 +2,13 @@
 #![no_std]
 #![no_main]
 
+use core::mem::MaybeUninit;
+
 use perf_dev1::Stack;
 use perf_dev1::canopen_rs::CanopenRs;
-use static_cell::StaticCell;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static STACK: StaticCell<CanopenRs> = StaticCell::new();
-    perf_footprint::run(STACK.init_with(Stack::new))
+    static mut STACK: MaybeUninit<CanopenRs> = MaybeUninit::uninit();
+    perf_footprint::run(STACK.write(Stack::new()))
 }

@@ -2,12 +2,13 @@
 #![no_std]
 #![no_main]
 
+use core::mem::MaybeUninit;
+
 use perf_dev1::Stack;
 use perf_dev1::spindle::{Spindle, WithoutBlocks};
-use static_cell::StaticCell;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static STACK: StaticCell<Spindle<WithoutBlocks>> = StaticCell::new();
-    perf_footprint::run(STACK.init_with(Stack::new))
+    static mut STACK: MaybeUninit<Spindle<WithoutBlocks>> = MaybeUninit::uninit();
+    perf_footprint::run(STACK.write(Stack::new()))
 }
