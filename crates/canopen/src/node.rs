@@ -56,33 +56,37 @@ const SELF_STARTING: u32 = 1 << 3;
 ///
 /// `LEN` is the length of the product's dictionary.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Node<const LEN: usize> {
-    node_id: NodeId,
-    settings: &'static Settings,
+    // In this order the processor reaches what every call needs with its shortest instructions.
     state: State,
-    values: Values<LEN>,
-    heartbeat: heartbeat::Producer,
-    guarded: Guarded,
-    monitored: heartbeat::Consumers,
-    /// The error register as far as the device sets it.
-    device_errors: u8,
-    bus: BusState,
-    sync: Sync,
-    /// The identifier of TIME, if it is consumed; else none.
-    time: CanId,
-    emergencies: emcy::Producer,
-    sdo: sdo::Server,
-    lss: Option<lss::Slave>,
-    rpdos: Rpdos,
-    tpdos: Tpdos,
-    outbox: Outbox,
-    screen: Screen,
-    /// Nothing is due before.
-    wake_at: Deadline,
+    node_id: NodeId,
     /// Whether there are events, or other filters.
     has_news: bool,
     filters_changed: bool,
+    /// The error register as far as the device sets it.
+    device_errors: u8,
+    bus: BusState,
+    /// The identifier of TIME, if it is consumed; else none.
+    time: CanId,
+    /// The time of the call that is served.
+    now: Instant,
+    /// Nothing is due before.
+    wake_at: Deadline,
+    screen: Screen,
+    settings: &'static Settings,
+    sync: Sync,
+    heartbeat: heartbeat::Producer,
+    guarded: Guarded,
+    lss: Option<lss::Slave>,
+    sdo: sdo::Server,
+    outbox: Outbox,
+    rpdos: Rpdos,
+    tpdos: Tpdos,
+    emergencies: emcy::Producer,
+    monitored: heartbeat::Consumers,
     events: Deque<Event, EVENTS_MAX>,
+    values: Values<LEN>,
 }
 
 /// What the core above a node has to know.
@@ -168,6 +172,7 @@ impl<const LEN: usize> Node<LEN> {
         let mut node = Self {
             node_id,
             settings,
+            now: Instant::ZERO,
             state: State::Initialising,
             heartbeat: heartbeat::Producer::OFF,
             guarded: Guarded::OFF,
@@ -199,18 +204,19 @@ impl<const LEN: usize> Node<LEN> {
         if self.state != State::Initialising {
             return;
         }
+        self.now = now;
         self.lss = self
             .settings
             .lss
             .map(|settings| lss::Slave::new(settings, self.identity(), Some(self.node_id)));
         self.outbox.push(self.boot_up());
         self.heartbeat.start(now);
-        self.enter(now, State::PreOperational);
+        self.enter(State::PreOperational);
         self.listen();
         if parameter(&self.values, NMT_STARTUP, 0).unwrap_or(0) & SELF_STARTING != 0 {
-            self.enter(now, State::Operational);
+            self.enter(State::Operational);
         }
-        self.transmit_due(now);
+        self.transmit_due();
         self.schedule();
     }
 
@@ -223,27 +229,34 @@ impl<const LEN: usize> Node<LEN> {
         application: &mut impl Application,
     ) {
         if self.screen.passes(frame.id()) {
-            self.dispatch(now, frame, application);
+            self.now = now;
+            self.dispatch(frame, application);
         }
     }
 
     /// Does what is due. Harmless when nothing is.
     pub fn handle_timeout(&mut self, now: Instant, application: &mut impl Application) {
-        if !self.wake_at.is_due(now) {
-            return;
+        self.now = now;
+        if self.wake_at.is_due(now) {
+            self.serve_due(application);
         }
+    }
+
+    #[inline(never)]
+    fn serve_due(&mut self, application: &mut impl Application) {
+        let now = self.now;
         self.sdo.handle_timeout(now, self.settings);
         self.answer();
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
-        self.give_up_producers(now);
-        self.give_up_master(now);
-        self.end_sync_window(now);
-        self.produce_sync(now, application);
-        self.report_overdue(now);
-        self.send_waiting_emergencies(now);
-        self.transmit_due(now);
+        self.give_up_producers();
+        self.give_up_master();
+        self.end_sync_window();
+        self.produce_sync(application);
+        self.report_overdue();
+        self.send_waiting_emergencies();
+        self.transmit_due();
         self.schedule();
     }
 
@@ -282,8 +295,9 @@ impl<const LEN: usize> Node<LEN> {
     /// When none is left, an error reset message goes out. When bit 7 comes in Operational, what
     /// 0x1029:02 says happens.
     pub fn set_error_register(&mut self, now: Instant, errors: u8) {
+        self.now = now;
         self.device_errors = errors;
-        self.update_error_register(now);
+        self.update_error_register();
         self.schedule();
     }
 
@@ -294,15 +308,16 @@ impl<const LEN: usize> Node<LEN> {
         if from == to {
             return;
         }
+        self.now = now;
         self.report(Event::BusStateChanged { from, to });
         if to.is_impaired() {
-            self.update_error_register(now);
+            self.update_error_register();
         }
         self.say(self.settings.bus.message(from, to));
         if to == BusState::Off && self.settings.bus.off == BusOff::CommunicationError {
-            self.react(now, ErrorClass::Communication);
+            self.react(ErrorClass::Communication);
         }
-        self.update_error_register(now);
+        self.update_error_register();
         self.schedule();
     }
 
@@ -351,8 +366,9 @@ impl<const LEN: usize> Node<LEN> {
     /// had changed, with a SYNC if its type is 0. Nothing happens in other states than Operational,
     /// and to types that know no events.
     pub fn trigger_tpdo(&mut self, now: Instant, number: u16) {
+        self.now = now;
         self.tpdos.trigger(number);
-        self.follow_values(now);
+        self.follow_values();
     }
 
     /// The user touched the device: takes the node-ID that [`lss::Event::Offered`] showed, once per
@@ -415,9 +431,16 @@ impl<const LEN: usize> Node<LEN> {
     /// its changes become due at `now`; they go out with the next [`Self::handle_timeout`], so that
     /// values set together are sent together.
     pub fn set_value(&mut self, now: Instant, slot: Slot, raw: u32) {
+        self.now = now;
+        self.change_value(slot, raw);
+    }
+}
+
+impl<const LEN: usize> Node<LEN> {
+    fn change_value(&mut self, slot: Slot, raw: u32) {
         if self.values.raw(slot) != raw {
             self.values.set_raw(slot, raw);
-            self.note_change(now, slot);
+            self.note_change(slot);
         }
     }
 }
@@ -440,32 +463,26 @@ impl<const LEN: usize> Node<LEN> {
     /// Hands a frame to who listens to it, the frequent ones first. The handlers are functions of
     /// their own: none pays for the registers and the stack of another.
     #[inline]
-    fn dispatch(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+    fn dispatch(&mut self, frame: &Frame, application: &mut impl Application) {
         let id = frame.id();
         if frame.is_remote() {
-            self.handle_remote(now, id);
+            self.handle_remote(id);
         } else if id == Service::SdoRequest.id(self.node_id) {
-            self.handle_sdo(now, frame, application);
+            self.handle_sdo(frame, application);
         } else if id == self.sync.id() {
-            match self.sync.receive(frame) {
-                sync::Received::Sync { counter } => self.handle_sync(now, counter, application),
-                sync::Received::UnexpectedLength => {
-                    self.say(self.settings.receive_errors.sync_length);
-                }
-                sync::Received::Nothing => {}
-            }
+            self.handle_sync(frame, application);
         } else {
-            self.handle_rpdo(now, frame, application);
+            self.handle_rpdo(frame, application);
         }
     }
 
     #[inline(never)]
-    fn handle_rare(&mut self, now: Instant, frame: &Frame) {
+    fn handle_rare(&mut self, frame: &Frame) {
         let id = frame.id();
         if id == cob_id::NMT {
-            self.handle_nmt(now, frame);
+            self.handle_nmt(frame);
         } else if Service::ErrorControl.has(id) {
-            self.handle_heartbeat(now, frame);
+            self.handle_heartbeat(frame);
         } else if self.time == id {
             self.handle_time(frame);
         } else if let Some(slave) = &mut self.lss {
@@ -475,39 +492,39 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     #[inline(never)]
-    fn handle_remote(&mut self, now: Instant, id: CanId) {
+    fn handle_remote(&mut self, id: CanId) {
         if id == Service::ErrorControl.id(self.node_id) {
-            self.handle_guarding(now);
+            self.handle_guarding();
         } else {
-            self.tpdos.handle_remote(now, id, &self.values, &mut self.outbox);
+            self.tpdos.handle_remote(self.now, id, &self.values, &mut self.outbox);
             self.wake_by(self.tpdos.due_at());
         }
     }
 
     /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2).
-    fn handle_guarding(&mut self, now: Instant) {
+    fn handle_guarding(&mut self) {
         if !self.guarded.is_served() || self.heartbeat.is_on() {
             return;
         }
-        let request = self.guarded.handle(now);
+        let request = self.guarded.handle(self.now);
         let answer = self.guarded.answer(self.state.heartbeat_byte());
         self.wake_by(self.guarded.due_at());
         self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), answer));
         match request {
             guarding::Request::Recovered => {
                 self.report(Event::GuardingRecovered);
-                self.update_error_register(now);
+                self.update_error_register();
             }
             guarding::Request::Expected => {}
         }
     }
 
-    fn handle_nmt(&mut self, now: Instant, frame: &Frame) {
+    fn handle_nmt(&mut self, frame: &Frame) {
         match Command::parse(frame.data(), self.node_id) {
             Some(Command::Enter(state)) => {
-                self.enter(now, state);
-                self.send_waiting_emergencies(now);
-                self.transmit_due(now);
+                self.enter(state);
+                self.send_waiting_emergencies();
+                self.transmit_due();
                 self.schedule();
             }
             Some(Command::ResetNode) => self.leave(Event::ResetNode),
@@ -517,13 +534,13 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     #[inline(never)]
-    fn handle_sdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+    fn handle_sdo(&mut self, frame: &Frame, application: &mut impl Application) {
         if !self.state.serves_sdo() {
             return;
         }
         let waited = self.sdo.is_waiting();
         let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
-        self.sdo.handle(now, frame, &mut objects);
+        self.sdo.handle(self.now, frame, &mut objects);
         let effect = objects.effect();
         self.answer();
         if waited || self.sdo.is_waiting() {
@@ -533,12 +550,12 @@ impl<const LEN: usize> Node<LEN> {
         match effect {
             Effect::None => return,
             Effect::Changed(slot) => self.note_value(slot),
-            Effect::Configured(slot) => self.note_change(now, slot),
+            Effect::Configured(slot) => self.note_change(slot),
             Effect::Store { sub } => return self.report(Event::Store { sub }),
             Effect::Restore { sub } => return self.report(Event::Restore { sub }),
         }
-        if self.wake_at.is_due(now) {
-            self.handle_timeout(now, application);
+        if self.wake_at.is_due(self.now) {
+            self.serve_due(application);
         }
     }
 
@@ -590,49 +607,51 @@ impl<const LEN: usize> Node<LEN> {
 
     /// What waited for the SYNC is taken over before PDOs go out with it.
     #[inline(never)]
-    fn handle_sync(
-        &mut self,
-        now: Instant,
-        counter: Option<u8>,
-        application: &mut impl Application,
-    ) {
+    fn handle_sync(&mut self, frame: &Frame, application: &mut impl Application) {
+        let counter = match self.sync.receive(frame) {
+            sync::Received::Sync { counter } => counter,
+            sync::Received::UnexpectedLength => {
+                return self.say(self.settings.receive_errors.sync_length);
+            }
+            sync::Received::Nothing => return,
+        };
         if self.state != State::Operational {
             return;
         }
         if self.rpdos.wait() {
-            self.take_over_waiting(now, application);
+            self.take_over_waiting(application);
         }
         self.tpdos.handle_sync(counter, &self.values, &mut self.outbox);
-        if let Some(window_ends_at) = self.sync.open_window(now) {
+        if let Some(window_ends_at) = self.sync.open_window(self.now) {
             self.wake_by(window_ends_at);
         }
     }
 
     #[inline(never)]
-    fn take_over_waiting(&mut self, now: Instant, application: &mut impl Application) {
+    fn take_over_waiting(&mut self, application: &mut impl Application) {
         let Self { values, tpdos, rpdos, .. } = self;
         rpdos.handle_sync(&mut Target { values, tpdos, application });
-        self.follow_values(now);
+        self.follow_values();
     }
 
     /// A PDO came or values changed: what is due now goes out, and what follows later is not missed.
     #[inline(never)]
-    fn follow_values(&mut self, now: Instant) {
-        self.transmit_due(now);
+    fn follow_values(&mut self) {
+        self.transmit_due();
         self.wake_by(self.tpdos.due_at());
         self.wake_by(self.rpdos.due_at());
     }
 
-    fn produce_sync(&mut self, now: Instant, application: &mut impl Application) {
-        if let Some((frame, counter)) = self.sync.take_due(now) {
+    fn produce_sync(&mut self, application: &mut impl Application) {
+        if let Some(frame) = self.sync.take_due(self.now) {
             self.outbox.supersede(frame);
-            self.handle_sync(now, counter, application);
+            self.handle_sync(&frame, application);
         }
     }
 
     /// PDOs that did not go out in the window of their SYNC are late.
-    fn end_sync_window(&mut self, now: Instant) {
-        if self.sync.take_window_end(now) {
+    fn end_sync_window(&mut self) {
+        if self.sync.take_window_end(self.now) {
             let tpdos = &self.tpdos;
             self.outbox.retain(&mut |frame| !tpdos.send_with_sync(frame.id()));
         }
@@ -647,9 +666,9 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     #[inline(never)]
-    fn handle_rpdo(&mut self, now: Instant, frame: &Frame, application: &mut impl Application) {
+    fn handle_rpdo(&mut self, frame: &Frame, application: &mut impl Application) {
         let Some(position) = self.rpdos.position(frame.id()) else {
-            return self.handle_rare(now, frame);
+            return self.handle_rare(frame);
         };
         if self.state != State::Operational {
             return;
@@ -659,17 +678,17 @@ impl<const LEN: usize> Node<LEN> {
         }
         let Self { values, tpdos, rpdos, .. } = self;
         let target = &mut Target { values, tpdos, application };
-        let outcome = rpdos.handle_frame(now, position, frame, target);
+        let outcome = rpdos.handle_frame(self.now, position, frame, target);
         if let Some(fault) = outcome.fault {
             self.say(fault.emergency(&self.settings.receive_errors));
         }
         if outcome.goes_on {
-            self.follow_values(now);
+            self.follow_values();
         }
     }
 
-    fn report_overdue(&mut self, now: Instant) {
-        while let Some(number) = self.rpdos.take_due(now) {
+    fn report_overdue(&mut self) {
+        while let Some(number) = self.rpdos.take_due(self.now) {
             self.report(Event::PdoOverdue { number });
             self.say(self.settings.receive_errors.overdue);
         }
@@ -682,14 +701,14 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn handle_heartbeat(&mut self, now: Instant, frame: &Frame) {
+    fn handle_heartbeat(&mut self, frame: &Frame) {
         if frame.dlc() != 1 {
             return;
         }
-        match self.monitored.handle(now, frame.id()) {
+        match self.monitored.handle(self.now, frame.id()) {
             Heard::Recovered(producer) => {
                 self.report(Event::HeartbeatRecovered { producer });
-                self.update_error_register(now);
+                self.update_error_register();
             }
             Heard::Nothing => {}
         }
@@ -697,48 +716,48 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// Each producer that is missing is an event, a message and a reason to act.
-    fn give_up_producers(&mut self, now: Instant) {
-        while let Some(producer) = self.monitored.take_due(now) {
+    fn give_up_producers(&mut self) {
+        while let Some(producer) = self.monitored.take_due(self.now) {
             self.report(Event::HeartbeatLost { producer });
-            self.lose_partner(now);
+            self.lose_partner();
         }
     }
 
-    fn give_up_master(&mut self, now: Instant) {
-        if self.guarded.take_due(now) {
+    fn give_up_master(&mut self) {
+        if self.guarded.take_due(self.now) {
             self.report(Event::GuardingLost);
-            self.lose_partner(now);
+            self.lose_partner();
         }
     }
 
     /// The message is older than the state that follows, and is sent even if that has none.
-    fn lose_partner(&mut self, now: Instant) {
-        self.update_error_register(now);
+    fn lose_partner(&mut self) {
+        self.update_error_register();
         let message = self.raise(emcy::PARTNER_LOST, [0; 5]);
-        self.react(now, ErrorClass::Communication);
+        self.react(ErrorClass::Communication);
         if let Some(message) = message.filter(|_| self.state != State::Initialising) {
             self.outbox.push_once(message);
         }
     }
 
-    fn update_error_register(&mut self, now: Instant) {
+    fn update_error_register(&mut self) {
         let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
         let disturbed =
             self.guarded.is_lost() || self.monitored.is_any_lost() || self.bus.is_impaired();
         let own = if disturbed { COMMUNICATION_ERROR } else { 0 };
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
-        self.set_value(now, slot, after);
+        self.change_value(slot, after);
         if before != 0 && after == 0 {
             self.send_emergency(emcy::ERROR_RESET, [0; 5]);
         }
         if !before & after & MANUFACTURER_ERROR != 0 {
-            self.react(now, ErrorClass::Manufacturer);
+            self.react(ErrorClass::Manufacturer);
         }
     }
 
     /// Does what 0x1029 says (CiA 301, section 7.5.2.32). Without an entry a communication error
     /// ends Operational, and other errors change nothing.
-    fn react(&mut self, now: Instant, class: ErrorClass) {
+    fn react(&mut self, class: ErrorClass) {
         const TO_PRE_OPERATIONAL: u32 = 0;
         const NO_CHANGE: u32 = 1;
         const TO_STOPPED: u32 = 2;
@@ -753,9 +772,9 @@ impl<const LEN: usize> Node<LEN> {
         };
         match parameter(&self.values, 0x1029, sub).unwrap_or(absent) {
             TO_PRE_OPERATIONAL if self.state == State::Operational => {
-                self.enter(now, State::PreOperational);
+                self.enter(State::PreOperational);
             }
-            TO_STOPPED if acts => self.enter(now, State::Stopped),
+            TO_STOPPED if acts => self.enter(State::Stopped),
             RESET if acts => self.leave(Event::ResetNode),
             _ => {}
         }
@@ -769,13 +788,13 @@ impl<const LEN: usize> Node<LEN> {
         self.emergencies.raise(error_code, manufacturer, &mut self.values, self.settings)
     }
 
-    fn enter(&mut self, now: Instant, to: State) {
+    fn enter(&mut self, to: State) {
         let from = core::mem::replace(&mut self.state, to);
         if from == to {
             return;
         }
         if to == State::Operational {
-            self.tpdos.start(now);
+            self.tpdos.start(self.now);
         } else {
             self.rpdos.stop();
             self.tpdos.stop();
@@ -789,7 +808,7 @@ impl<const LEN: usize> Node<LEN> {
             });
         }
         if to.serves_sdo() {
-            self.sync.start(now);
+            self.sync.start(self.now);
         } else {
             self.sdo.stop();
             self.sync.stop();
@@ -828,24 +847,24 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     /// Messages that were held back go out in the states that have emergency messages.
-    fn send_waiting_emergencies(&mut self, now: Instant) {
+    fn send_waiting_emergencies(&mut self) {
         while self.state.serves_sdo()
-            && let Some(frame) = self.emergencies.take_due(now)
+            && let Some(frame) = self.emergencies.take_due(self.now)
         {
             self.outbox.push_once(frame);
         }
     }
 
-    fn transmit_due(&mut self, now: Instant) {
-        self.tpdos.transmit_due(now, &self.values, &mut self.outbox);
+    fn transmit_due(&mut self) {
+        self.tpdos.transmit_due(self.now, &self.values, &mut self.outbox);
     }
 
     /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
     /// PDOs.
-    fn note_change(&mut self, now: Instant, slot: Slot) {
+    fn note_change(&mut self, slot: Slot) {
         self.note_value(slot);
         match self.values.dictionary().row(slot) {
-            Some(row) if row.id().index < 0x2000 => self.follow_parameter(now, row.id()),
+            Some(row) if row.id().index < 0x2000 => self.follow_parameter(row.id()),
             Some(_) | None => {}
         }
     }
@@ -866,38 +885,38 @@ impl<const LEN: usize> Node<LEN> {
         for index in
             [sync::COB_ID, time::COB_ID, guarding::GUARD_TIME, HEARTBEAT_TIME, emcy::COB_ID]
         {
-            self.follow_parameter(Instant::ZERO, ObjectId { index, sub: 0 });
+            self.follow_parameter(ObjectId { index, sub: 0 });
         }
         for (receive, transmit) in (pdo::RECEIVE..).zip(pdo::TRANSMIT..).take(PDO_MAX) {
             self.reread_rpdo(receive);
-            self.reread_tpdo(Instant::ZERO, transmit);
+            self.reread_tpdo(transmit);
         }
         (self.has_news, self.filters_changed) = (false, false);
     }
 
     #[inline(never)]
-    fn follow_parameter(&mut self, now: Instant, object: ObjectId) {
+    fn follow_parameter(&mut self, object: ObjectId) {
         match object.index {
-            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(now),
+            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(),
             0x1012 => {
                 self.time = time::consumed(&self.values);
                 self.change_filters();
             }
             0x100C | 0x100D => {
                 self.guarded.reread(&self.values);
-                self.update_error_register(now);
+                self.update_error_register();
             }
             HEARTBEAT_TIME => {
                 let period_ms = parameter(&self.values, HEARTBEAT_TIME, 0).unwrap_or(0);
                 self.heartbeat.set_period_ms(period_ms);
                 if self.heartbeat.is_on() {
                     self.guarded.stop();
-                    self.update_error_register(now);
+                    self.update_error_register();
                 }
                 match self.state {
                     State::Initialising => {}
                     State::PreOperational | State::Operational | State::Stopped => {
-                        self.heartbeat.restart(now);
+                        self.heartbeat.restart(self.now);
                     }
                 }
             }
@@ -905,21 +924,21 @@ impl<const LEN: usize> Node<LEN> {
                 if self.monitored.reread(object.sub, &self.values) {
                     self.change_filters();
                 }
-                self.update_error_register(now);
+                self.update_error_register();
             }
-            0x1014 | 0x1015 => self.emergencies.reread(now, self.node_id, &self.values),
+            0x1014 | 0x1015 => self.emergencies.reread(self.now, self.node_id, &self.values),
             index @ 0x1400..=0x17FF => self.reread_rpdo(index),
-            index @ 0x1800..=0x1BFF => self.reread_tpdo(now, index),
+            index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
             _ => {}
         }
         self.schedule();
     }
 
-    fn reread_sync(&mut self, now: Instant) {
+    fn reread_sync(&mut self) {
         let before = self.sync.id();
         self.sync.reread(&self.values);
         if self.state.serves_sdo() {
-            self.sync.start(now);
+            self.sync.start(self.now);
         }
         if self.sync.id() != before {
             self.change_filters();
@@ -946,12 +965,12 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn reread_tpdo(&mut self, now: Instant, index: u16) {
-        if self.tpdos.reread(now, index, &self.values, &self.settings.pdo) {
+    fn reread_tpdo(&mut self, index: u16) {
+        if self.tpdos.reread(self.now, index, &self.values, &self.settings.pdo) {
             self.change_filters();
         }
         if self.state == State::Operational {
-            self.tpdos.start(now);
+            self.tpdos.start(self.now);
         }
     }
 

@@ -172,17 +172,17 @@ impl Sync {
         ends
     }
 
-    /// The SYNC that is to be produced now, and its counter if it has one.
-    pub(crate) fn take_due(&mut self, now: Instant) -> Option<(Frame, Option<u8>)> {
+    /// The SYNC that is to be produced now.
+    pub(crate) fn take_due(&mut self, now: Instant) -> Option<Frame> {
         if !self.due_at.is_due(now) {
             return None;
         }
         self.due_at = self.due_at.next(now, self.period);
         match self.lengths {
-            Lengths::NoneOrOne | Lengths::None => Some((Frame::empty(self.id), None)),
+            Lengths::NoneOrOne | Lengths::None => Some(Frame::empty(self.id)),
             Lengths::Counter { overflow } => {
                 self.counter = if self.counter < overflow { self.counter + 1 } else { 1 };
-                Some((Frame::single(self.id, self.counter), Some(self.counter)))
+                Some(Frame::single(self.id, self.counter))
             }
         }
     }
