@@ -7,7 +7,10 @@ use crate::register::{read, write};
 /// 125 kbit/s at 16 MHz: a prescaler of 8, 13 and 2 quanta, one of them to jump.
 const BIT_TIMING: u32 = 1 << 20 | 12 << 16 | 7;
 
+const RCC_AHB1ENR: usize = 0x4002_3830;
 const RCC_APB1ENR: usize = 0x4002_3840;
+const GPIOD_MODER: usize = 0x4002_0C00;
+const GPIOD_AFRL: usize = 0x4002_0C20;
 const CAN1: usize = 0x4000_6400;
 const MCR: usize = CAN1;
 const MSR: usize = CAN1 + 0x004;
@@ -25,6 +28,7 @@ const RDH0R: usize = CAN1 + 0x1BC;
 const FMR: usize = CAN1 + 0x200;
 const FS1R: usize = CAN1 + 0x20C;
 const FA1R: usize = CAN1 + 0x21C;
+const F0R2: usize = CAN1 + 0x244;
 
 /// CAN1.
 pub(crate) struct Controller(());
@@ -32,15 +36,20 @@ pub(crate) struct Controller(());
 impl Controller {
     /// Joins the bus.
     pub(crate) fn new() -> Self {
-        write(RCC_APB1ENR, read(RCC_APB1ENR) | 1 << 25);
+        write(RCC_AHB1ENR, read(RCC_AHB1ENR) | 1 << 3);
+        write(RCC_APB1ENR, 1 << 25);
+        // PD0 and PD1 are the controller's: its alternate function is number 9.
+        write(GPIOD_MODER, 0b1010);
+        write(GPIOD_AFRL, 0x99);
         write(MCR, 1 << 0);
         while read(MSR) & 1 == 0 {}
         write(BTR, BIT_TIMING);
-        // One filter of 32 bits that lets everything through.
-        write(FMR, 1);
+        // One filter of 32 bits that lets everything through. After a reset the filters can be set
+        // up, and half of them are this controller's.
+        write(F0R2, 0);
         write(FS1R, 1);
         write(FA1R, 1);
-        write(FMR, 0);
+        write(FMR, 14 << 8);
         // Retransmission, recovery from bus-off.
         write(MCR, 1 << 6);
         Self(())

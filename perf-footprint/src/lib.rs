@@ -1,6 +1,6 @@
 //! The smallest program that is a CANopen device, to see how much flash and RAM a stack takes:
 //! start-up code, a CAN controller that is asked again and again, a clock of milliseconds, the
-//! stack, and DEV1. It is linked and measured, not run.
+//! stack, and DEV1. The one on the stack of this repository also runs, on the virtual bench.
 #![no_std]
 #![cfg(feature = "image")]
 

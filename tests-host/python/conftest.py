@@ -2,6 +2,7 @@
 
 import json
 import os
+import queue
 import socket
 import subprocess
 
@@ -73,3 +74,16 @@ def restart(node):
     """Sends Reset Node and waits for the boot-up message."""
     node.nmt.state = "RESET"
     node.nmt.wait_for_bootup(timeout=ANSWER_TIME_MAX_S)
+
+
+class Messages:
+    """A callback that keeps what it is called with."""
+
+    def __init__(self):
+        self.queue = queue.Queue()
+
+    def __call__(self, *arguments):
+        self.queue.put(arguments[0])
+
+    def next(self):
+        return self.queue.get(timeout=ANSWER_TIME_MAX_S)

@@ -1,7 +1,6 @@
 """What python-canopen offers a master, against a running device of either engine."""
 
 import pathlib
-import queue
 
 import canopen
 import pytest
@@ -25,7 +24,7 @@ def test_scanner(network, node):
     """NM17x SDO-03: an upload to everybody finds the one that is there."""
     network.scanner.reset()
     network.scanner.search()
-    network.subscribe(0x580 + NODE_ID, answered := Messages())
+    network.subscribe(0x580 + NODE_ID, answered := conftest.Messages())
     answered.next()
     assert network.scanner.nodes == [NODE_ID]
 
@@ -35,7 +34,7 @@ def test_node_states_and_heartbeat(device):
     device.sdo["Producer heartbeat time"].raw = 20
     for state in ["OPERATIONAL", "STOPPED", "PRE-OPERATIONAL", "OPERATIONAL"]:
         device.nmt.state = state
-        beats = Messages()
+        beats = conftest.Messages()
         device.nmt.add_heartbeat_callback(beats)
         beats.next()
         beats.next()
@@ -58,7 +57,7 @@ def test_process_data(bench, network, device):
     pdo.save()
     assert device.sdo[0x1801][2].raw == 2
     device.nmt.state = "OPERATIONAL"
-    received = Messages()
+    received = conftest.Messages()
     pdo.add_callback(received)
     network.sync.transmit()
     network.sync.transmit()
@@ -74,7 +73,7 @@ def test_process_data(bench, network, device):
 
 def test_emergencies(bench, device):
     """NM17x LINK-06, EMCY-01, EMCY-05: an error and its end reach the log of the master."""
-    received = Messages()
+    received = conftest.Messages()
     device.emcy.add_callback(received)
     bench.tell("link", cut=True)
     received.next()
@@ -96,7 +95,7 @@ def test_several_masters(bench, device):
         )
         node = other.add_node(canopen.RemoteNode(NODE_ID, device.object_dictionary))
         node.sdo.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
-        others.append((node, Messages()))
+        others.append((node, conftest.Messages()))
         node.nmt.add_heartbeat_callback(others[-1][1])
     device.sdo["Producer heartbeat time"].raw = 50
     for asks, _ in others:
@@ -112,16 +111,3 @@ def test_several_masters(bench, device):
                 pass
     for node, _ in others:
         node.network.disconnect()
-
-
-class Messages:
-    """A callback that keeps what it is called with."""
-
-    def __init__(self):
-        self.queue = queue.Queue()
-
-    def __call__(self, *arguments):
-        self.queue.put(arguments[0])
-
-    def next(self):
-        return self.queue.get(timeout=conftest.ANSWER_TIME_MAX_S)

@@ -41,7 +41,7 @@ cargo xtask VERB
   flash PRODUCT --stm PROBE --msp PROBE
                            build the images and write them to two boards
 
-Products: nm172";
+Products: nm172. The bench also has dev1, the device that stacks are judged by.";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::images::TARGET;
+use crate::images::{self, Controller, TARGET};
 use crate::qemu;
 use crate::run::{self, Failure};
 use crate::size;
@@ -17,6 +17,9 @@ struct Stack {
     counted: &'static str,
     linked: &'static str,
 }
+
+/// What the bench calls the device.
+pub(crate) const DEV1: &str = "dev1";
 
 const SPINDLE: Stack =
     Stack { name: "Spindle", counted: "dev1-spindle", linked: "footprint-spindle" };
@@ -114,26 +117,44 @@ pub(crate) fn perf_with_peers() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Builds the smallest program that is DEV1 and puts it beside the images of the products.
+pub(crate) fn build_image() -> Result<(), Failure> {
+    build_footprint(&["--bin", SPINDLE.linked])?;
+    let image = Controller::Stm.image(DEV1);
+    fs::create_dir_all(images::directory())
+        .and_then(|()| fs::copy(footprint_program(SPINDLE.linked), &image))
+        .map_err(|e| Failure::Step(format!("{}: {e}", image.display())))?;
+    Ok(())
+}
+
 /// Flash and RAM of the smallest programs.
 pub(crate) fn footprint() -> Result<(), Failure> {
-    tools::require(&[Tool::ThumbTarget])?;
-    run::step(
-        run::cargo(["build", "--profile", "footprint", "--package", "perf-footprint", "--bins"])
-            .args(["--features", "image", "--target", TARGET])
-            .env(FLAGS.0, FLAGS.1),
-    )?;
+    build_footprint(&["--bins"])?;
     println!("| DEV1 on | flash (text + data) | RAM (data + bss) |");
     println!("|---|---:|---:|");
     println!("| CANopenNode v4 | {} | {} |", CANOPENNODE_FOOTPRINT.0, CANOPENNODE_FOOTPRINT.1);
     let without_blocks = ("Spindle without block transfer", "footprint-spindle-without-blocks");
     let linked = PEERS.iter().chain([&SPINDLE]).map(|stack| (stack.name, stack.linked));
     for (name, program) in linked.chain([without_blocks]) {
-        let image = run::target_dir().join(TARGET).join("footprint").join(program);
-        let (flash, ram) = size::flash_and_ram(&image)?;
+        let (flash, ram) = size::flash_and_ram(&footprint_program(program))?;
         println!("| {name} | {flash} | {ram} |");
     }
     println!("| at most | {} | {} |", FOOTPRINT_BAR.0, FOOTPRINT_BAR.1);
     Ok(())
+}
+
+fn build_footprint(programs: &[&str]) -> Result<(), Failure> {
+    tools::require(&[Tool::ThumbTarget])?;
+    run::step(
+        run::cargo(["build", "--profile", "footprint", "--package", "perf-footprint"])
+            .args(programs)
+            .args(["--features", "image", "--target", TARGET])
+            .env(FLAGS.0, FLAGS.1),
+    )
+}
+
+fn footprint_program(name: &str) -> PathBuf {
+    run::target_dir().join(TARGET).join("footprint").join(name)
 }
 
 fn numbers(counts: &[Count]) -> Vec<String> {

@@ -5,7 +5,7 @@ use std::fs;
 use crate::images::{self, TARGET};
 use crate::run::{self, Failure};
 use crate::tools::{self, Tool};
-use crate::{panics, python, qemu, trace, up};
+use crate::{panics, python, qemu, stack, trace, up};
 
 /// Style first, because it is cheap; then what takes longer and longer.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -17,6 +17,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     for product in images::PRODUCTS {
         images::build(product)?;
     }
+    stack::build_image()?;
     panics::check()?;
     let bench = up::build_bench()?;
     run::step(

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use crate::images;
 use crate::run::{self, Failure};
+use crate::stack;
 
 /// Builds the bench and says where it is.
 pub(crate) fn build_bench() -> Result<PathBuf, Failure> {
@@ -17,7 +18,9 @@ pub(crate) fn up(arguments: &[&str]) -> Result<(), Failure> {
     let Some(name) = arguments.first().filter(|first| !first.starts_with('-')) else {
         return Err(Failure::Usage("which product? Try: cargo xtask up nm172".to_owned()));
     };
-    if !names_twin(arguments) {
+    if *name == stack::DEV1 {
+        stack::build_image()?;
+    } else if !names_twin(arguments) {
         images::build(images::product(name)?)?;
     }
     let bench = build_bench()?;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use emulated::{Firmware, Fleet, Images, Options};
 use world::Engine;
 
-use crate::PRODUCTS;
 use crate::args::{EngineKind, Up};
 use crate::state::Contents;
+use crate::{PAIRS, SINGLES};
 
 /// Names another directory than the one cargo writes images to.
 pub const IMAGES_VARIABLE: &str = "SPINDLE_IMAGES";
@@ -33,15 +33,19 @@ pub fn directory() -> PathBuf {
 /// # Errors
 /// A sentence with what helps.
 pub fn check_product(product: &str, engine: EngineKind) -> Result<(), String> {
+    let image = PAIRS.contains(&product) || SINGLES.contains(&product);
     let twin = twin::kind(product).is_some();
     match engine {
-        EngineKind::Image if PRODUCTS.contains(&product) => Ok(()),
+        EngineKind::Image if image => Ok(()),
         EngineKind::Image if twin => {
             Err(format!("there are no images of {product:?}: use --engine twin"))
         }
         EngineKind::Twin if twin => Ok(()),
+        EngineKind::Twin if image => {
+            Err(format!("there is no twin of {product:?}: use --engine image"))
+        }
         EngineKind::Image | EngineKind::Twin => {
-            let products: Vec<_> = twin::slugs().collect();
+            let products: Vec<_> = twin::slugs().chain(SINGLES).collect();
             Err(format!("there is no product {product:?}: this bench has {}", products.join(", ")))
         }
     }
@@ -63,12 +67,17 @@ fn image_engine(up: &Up, flash: Vec<Contents>) -> Result<Box<dyn Engine>, String
     let image = |controller: &str| {
         let path = directory.join(format!("{controller}-{}", up.product));
         if !path.is_file() {
-            let hint = format!("build it with `cargo {controller}`, or set {IMAGES_VARIABLE}");
+            let hint =
+                format!("`cargo xtask up {}` builds it, or set {IMAGES_VARIABLE}", up.product);
             return Err(format!("the image {} is missing: {hint}", path.display()));
         }
         Firmware::read(&path).map(Arc::new).map_err(|error| error.to_string())
     };
-    let images = Images { stm: image("stm")?, msp: image("msp")? };
+    let images = if SINGLES.contains(&up.product.as_str()) {
+        Images::single(image("stm")?)
+    } else {
+        Images::pair(image("stm")?, image("msp")?)
+    };
     let options = Options { nodes: nodes(up), seed: up.seed, flash };
     let fleet = Fleet::new(&images, options).map_err(|error| error.to_string())?;
     Ok(Box::new(fleet))

@@ -49,8 +49,11 @@ use crate::slcan::Channel;
 use crate::stage::Stage;
 use crate::state::StateDir;
 
-/// Products that have images; the twin engine has more.
-pub const PRODUCTS: [&str; 1] = ["nm172"];
+/// Products that have images of two controllers; the twin engine has more.
+pub const PAIRS: [&str; 1] = ["nm172"];
+
+/// Products that have an image of one controller, which is on the CAN bus and nothing else.
+pub const SINGLES: [&str; 1] = ["dev1"];
 
 /// What a bench is started with, besides its engine.
 pub struct Setup {

@@ -32,13 +32,38 @@ use crate::memory_map::{
 use crate::serial_line::Byte;
 use crate::stm32f429::{PinOf, Stm32f429};
 
-/// Instructions the core retires in a second of virtual time: 160 MHz at 1.28 cycles each, about
-/// what a Cortex-M4 does with the flash accelerator on. One takes 8 ns.
-const INSTRUCTIONS_PER_SECOND: NonZeroU64 = NonZeroU64::new(125_000_000).expect("a core that runs");
-const NANOS_PER_INSTRUCTION: u64 = 8;
-const _: () = assert!(INSTRUCTIONS_PER_SECOND.get() * NANOS_PER_INSTRUCTION == 1_000_000_000);
+/// The clock of a core, which the emulator has to know beforehand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CoreClock {
+    /// What the part starts with.
+    Mhz16,
+    /// Set up by the firmware.
+    Mhz160,
+}
 
-const CORE_CLOCK_HZ: NonZeroU64 = NonZeroU64::new(160_000_000).expect("a clock that runs");
+impl CoreClock {
+    const fn hz(self) -> NonZeroU64 {
+        match self {
+            Self::Mhz16 => NonZeroU64::new(16_000_000).expect("a clock that runs"),
+            Self::Mhz160 => NonZeroU64::new(160_000_000).expect("a clock that runs"),
+        }
+    }
+
+    /// Virtual time for each instruction: 1.28 cycles, about what a Cortex-M4 takes with the flash
+    /// accelerator on.
+    const fn nanos_per_instruction(self) -> u64 {
+        match self {
+            Self::Mhz16 => 80,
+            Self::Mhz160 => 8,
+        }
+    }
+
+    const fn instructions_per_second(self) -> NonZeroU64 {
+        let rate = NonZeroU64::new(1_000_000_000 / self.nanos_per_instruction());
+        rate.expect("a core that runs")
+    }
+}
+
 /// Of the interrupt controller (RM0090 12.1.1).
 const PRIORITY_BITS: u8 = 4;
 /// SysTick's reference clock is HCLK / 8 (RM0090 6.2).
@@ -80,6 +105,7 @@ pub(crate) struct Identity {
 pub(crate) struct Setup {
     pub(crate) identity: Identity,
     pub(crate) firmware: Arc<Firmware>,
+    pub(crate) clock: CoreClock,
     /// The flash of an earlier run.
     pub(crate) kept: Option<Vec<u8>>,
     pub(crate) seed: u64,
@@ -242,7 +268,7 @@ fn run(
     commands: Receiver<Command>,
     answers: Sender<Answer>,
 ) -> Result<(), EngineError> {
-    let Setup { identity, firmware, kept, seed, surroundings } = setup;
+    let Setup { identity, firmware, clock, kept, seed, surroundings } = setup;
     let name = identity.mcu.name();
     let failed = |what: String| EngineError(format!("{name}: {what}"));
     let cells = firmware.flashed(kept.as_deref());
@@ -255,10 +281,12 @@ fn run(
         part.attach(&surroundings);
     }
     let images = [image];
-    let session = Session::new(Box::new(CircuitBoard { part, identity }), 0, VirtualNanos(0))
-        .map_err(|error| failed(error.to_string()))?;
+    let session =
+        Session::new(Box::new(CircuitBoard { part, identity, clock }), 0, VirtualNanos(0))
+            .map_err(|error| failed(error.to_string()))?;
     let pilot = Pilot {
         identity,
+        clock,
         firmware,
         surroundings,
         commands,
@@ -289,6 +317,7 @@ fn run(
 struct CircuitBoard {
     part: Stm32f429,
     identity: Identity,
+    clock: CoreClock,
 }
 
 impl Store for CircuitBoard {}
@@ -310,11 +339,11 @@ impl Board for CircuitBoard {
         let lines = NonZeroU32::new(u32::from(self.part.cpu().interrupt_lines));
         let core = armv7m::Core {
             variant: armv7m::Variant::M4,
-            clock_hz: CORE_CLOCK_HZ,
+            clock_hz: self.clock.hz(),
             interrupt_lines: lines.expect("the part has interrupts"),
             priority_bits: PRIORITY_BITS,
             refclk_divider: SYSTICK_DIVIDER,
-            instructions_per_second: INSTRUCTIONS_PER_SECOND,
+            instructions_per_second: self.clock.instructions_per_second(),
             boot: BOOT_REGION,
         };
         let windows = rigless::cpu::armv7m::windows(self.part.bus());
@@ -342,6 +371,7 @@ fn factory_programmed(identity: Identity) -> Vec<Image> {
 /// Sits between the emulator and the fleet.
 struct Pilot {
     identity: Identity,
+    clock: CoreClock,
     firmware: Arc<Firmware>,
     surroundings: Arc<Mutex<Surroundings>>,
     commands: Receiver<Command>,
@@ -684,7 +714,7 @@ impl Pilot {
     fn stats(&self, session: &Run, stop: Stop, host: &mut dyn Host) -> McuStats {
         let powered_ns =
             self.powered_ns + self.powered_since_ns.map_or(0, |since| stop.at.0 - since);
-        let awake_ns = stop.instruction_count * NANOS_PER_INSTRUCTION;
+        let awake_ns = stop.instruction_count * self.clock.nanos_per_instruction();
         let unused = (CCM_BASE..CCM_BASE + CCM_LEN)
             .step_by(4)
             .take_while(|&at| host.read(at, Width::W32).is_ok_and(|word| word == 0))

@@ -1,4 +1,4 @@
-//! Any number of devices on one CAN bus, each with two controllers, all on one virtual clock.
+//! Any number of devices on one CAN bus, each with one or two controllers, all on one virtual clock.
 //!
 //! Every controller runs on a thread of its own, and none ever runs ahead of what may reach it:
 //! the fleet gives out orders up to a *boundary*, waits for all, carries what was sent over the
@@ -13,7 +13,7 @@ use units::Instant;
 use world::can::{Bus, Delivery, Nanos, PortState, Presence, greatest_quantum};
 use world::{Dice, Engine, EngineError, FlashImage, LogLine, Mcu, McuStats, Surroundings};
 
-use crate::controller::{Command, Controller, Identity, Order, Report, Setup, Supply};
+use crate::controller::{Command, Controller, CoreClock, Identity, Order, Report, Setup, Supply};
 use crate::firmware::Firmware;
 use crate::serial_line::{Byte, LINE_DELAY_NS, carry};
 
@@ -23,18 +23,31 @@ const NANOS_PER_MICRO: u64 = 1_000;
 /// The images every device of a fleet runs.
 #[derive(Clone, Debug)]
 pub struct Images {
-    /// Of the CAN interface controller.
-    pub stm: Arc<Firmware>,
-    /// Of the application controller.
-    pub msp: Arc<Firmware>,
+    stm: Arc<Firmware>,
+    msp: Option<Arc<Firmware>>,
+    clock: CoreClock,
 }
 
 impl Images {
-    fn of(&self, mcu: Mcu) -> &Arc<Firmware> {
-        match mcu {
-            Mcu::Stm => &self.stm,
-            Mcu::Msp => &self.msp,
-        }
+    /// A CAN interface controller and an application controller. Both images set the cores to
+    /// 160 MHz.
+    #[must_use]
+    pub const fn pair(stm: Arc<Firmware>, msp: Arc<Firmware>) -> Self {
+        Self { stm, msp: Some(msp), clock: CoreClock::Mhz160 }
+    }
+
+    /// One controller, on the CAN bus and nothing else. The image leaves the core at the 16 MHz it
+    /// starts with.
+    #[must_use]
+    pub const fn single(stm: Arc<Firmware>) -> Self {
+        Self { stm, msp: None, clock: CoreClock::Mhz16 }
+    }
+
+    /// Of each controller, STM before MSP.
+    fn by_mcu(&self) -> impl Iterator<Item = (Mcu, &Arc<Firmware>)> {
+        [(Mcu::Stm, Some(&self.stm)), (Mcu::Msp, self.msp.as_ref())]
+            .into_iter()
+            .filter_map(|(mcu, image)| Some((mcu, image?)))
     }
 }
 
@@ -55,6 +68,8 @@ pub struct Options {
 #[derive(Debug)]
 pub struct Fleet {
     now_ns: u64,
+    /// Controllers of each device.
+    controllers: usize,
     /// By node, STM before MSP.
     units: Vec<Unit>,
     nodes: Vec<Node>,
@@ -96,10 +111,11 @@ impl Fleet {
         for (node, kept) in kept.into_iter().enumerate().take(options.nodes) {
             let surroundings = Arc::new(Mutex::new(Surroundings::default()));
             let purpose = u64::try_from(node).unwrap_or(u64::MAX);
-            for (mcu, kept) in Mcu::BOTH.into_iter().zip(kept) {
+            for ((mcu, firmware), kept) in images.by_mcu().zip(kept) {
                 let (controller, report) = Controller::start(Setup {
                     identity: Identity { node, mcu },
-                    firmware: Arc::clone(images.of(mcu)),
+                    firmware: Arc::clone(firmware),
+                    clock: images.clock,
                     kept,
                     seed: options.seed,
                     surroundings: Arc::clone(&surroundings),
@@ -113,7 +129,8 @@ impl Fleet {
             });
         }
         let bus = Arc::new(Mutex::new(Bus::new(options.seed)));
-        Ok(Self { now_ns: 0, units, nodes, bus, failed: None })
+        let controllers = images.by_mcu().count();
+        Ok(Self { now_ns: 0, controllers, units, nodes, bus, failed: None })
     }
 
     /// Runs up to `target_ns`.
@@ -153,7 +170,7 @@ impl Fleet {
             self.units.iter_mut().zip(&chosen).enumerate().filter(|(_, (_, chosen))| **chosen)
         {
             let (lines, complaint) = unit.wait()?;
-            if let Some(node) = self.nodes.get_mut(index / MCUS) {
+            if let Some(node) = self.nodes.get_mut(index / self.controllers) {
                 node.log.extend(lines);
             }
             fault = fault.or(complaint);
@@ -161,9 +178,9 @@ impl Fleet {
         fault.map_or(Ok(()), Err)
     }
 
-    /// Carries what the two controllers of each device sent each other.
+    /// Carries what the two controllers of each device, if it has two, sent each other.
     fn carry_bytes(&mut self) {
-        for (pair, node) in self.units.chunks_mut(MCUS).zip(&mut self.nodes) {
+        for (pair, node) in self.units.chunks_mut(self.controllers).zip(&mut self.nodes) {
             let [stm, msp] = pair else { continue };
             if stm.sent.is_empty() && msp.sent.is_empty() {
                 continue;
@@ -186,7 +203,7 @@ impl Fleet {
             return Ok(());
         }
         self.order(now_ns, |unit| unit.at_ns < now_ns)?;
-        let stms = self.units.iter_mut().step_by(MCUS);
+        let stms = self.units.iter_mut().step_by(self.controllers);
         for (unit, delivery) in stms.zip(deliveries).filter(|(_, d)| *d != Delivery::default()) {
             unit.delivery = Some(delivery);
             unit.wakes_at_ns = now_ns;
@@ -196,11 +213,13 @@ impl Fleet {
 
     /// What the CAN controllers want from the bus, by node. Only the STM's is wired to it.
     fn ports(&self) -> Vec<PortState> {
-        self.units.iter().step_by(MCUS).map(|unit| unit.port.clone()).collect()
+        self.units.iter().step_by(self.controllers).map(|unit| unit.port.clone()).collect()
     }
 
-    fn unit(&self, node: usize, mcu: Mcu) -> &Unit {
-        self.units.get(node * MCUS + mcu as usize).expect("a node of this fleet")
+    /// None for a controller that the devices do not have.
+    fn controller(&self, node: usize, mcu: Mcu) -> Option<&Controller> {
+        let of_node = self.units.chunks(self.controllers).nth(node).expect("a node of this fleet");
+        of_node.get(mcu as usize).map(|unit| &unit.controller)
     }
 
     fn node(&self, node: usize) -> &Node {
@@ -286,14 +305,11 @@ impl Engine for Fleet {
 
     fn set_power(&mut self, node: usize, on: bool) {
         let supply = if on { Supply::On } else { Supply::Off };
-        for unit in self.units.iter_mut().skip(node * MCUS).take(MCUS) {
+        let now_ns = self.now_ns;
+        for unit in self.units.chunks_mut(self.controllers).nth(node).unwrap_or_default() {
             unit.controller.tell(Command::Supply(supply));
             unit.bytes.clear();
             unit.delivery = None;
-        }
-        let now_ns = self.now_ns;
-        let range = node * MCUS..(node + 1) * MCUS;
-        for unit in self.units.get_mut(range).unwrap_or_default() {
             unit.start(now_ns);
             match unit.wait() {
                 Ok((_, fault)) => self.failed = self.failed.take().or(fault),
@@ -303,11 +319,15 @@ impl Engine for Fleet {
     }
 
     fn cut_power_at_flash_operation(&mut self, node: usize, mcu: Mcu, operation: u32) {
-        self.unit(node, mcu).controller.tell(Command::CutAtFlashOperation(operation));
+        if let Some(controller) = self.controller(node, mcu) {
+            controller.tell(Command::CutAtFlashOperation(operation));
+        }
     }
 
     fn stats(&self, node: usize) -> [McuStats; MCUS] {
-        Mcu::BOTH.map(|mcu| self.unit(node, mcu).controller.stats().unwrap_or_default())
+        Mcu::BOTH.map(|mcu| {
+            self.controller(node, mcu).and_then(|it| it.stats().ok()).unwrap_or_default()
+        })
     }
 
     fn take_log(&mut self, node: usize) -> Vec<LogLine> {
@@ -315,6 +335,6 @@ impl Engine for Fleet {
     }
 
     fn flash(&self, node: usize, mcu: Mcu) -> FlashImage {
-        self.unit(node, mcu).controller.flash().unwrap_or_default()
+        self.controller(node, mcu).and_then(|it| it.flash().ok()).unwrap_or_default()
     }
 }

@@ -28,7 +28,7 @@ fn options(nodes: usize) -> Options {
 /// Devices with the same image on both controllers.
 fn fleet(bin: &str, nodes: usize) -> Fleet {
     let image = probe(bin);
-    let images = Images { stm: Arc::clone(&image), msp: image };
+    let images = Images::pair(Arc::clone(&image), image);
     Fleet::new(&images, options(nodes)).unwrap()
 }
 
@@ -118,7 +118,7 @@ fn flash_survives_a_power_cycle_and_the_end_of_the_bench() {
     let flash = vec![Mcu::BOTH.map(|mcu| Some(first.flash(0, mcu)))];
     drop(first);
     let image = probe("probe-flash");
-    let images = Images { stm: Arc::clone(&image), msp: image };
+    let images = Images::pair(Arc::clone(&image), image);
     let mut second = Fleet::new(&images, Options { flash, ..options(1) }).unwrap();
     run_ms(&mut second, 500);
     let third_run = log_of(&mut second, Mcu::Stm);
@@ -283,7 +283,7 @@ fn refusal(choice: u8) -> String {
     let mut flash = vec![0xFF; 2 << 20];
     flash[1 << 20] = choice;
     let image = probe("probe-faults");
-    let images = Images { stm: Arc::clone(&image), msp: image };
+    let images = Images::pair(Arc::clone(&image), image);
     let options = Options { flash: vec![[Some(flash), None]], ..options(1) };
     let mut fleet = Fleet::new(&images, options).unwrap();
     let first =

@@ -39,6 +39,8 @@ fn what_is_wrong_is_named_in_one_sentence() {
     refused(&["up", "nm999"], "nm999");
     refused(&["up", "nm999", "--engine", "twin"], "gxmm");
     refused(&["up", "gxmm"], "--engine twin");
+    refused(&["up", "dev1", "--engine", "twin"], "--engine image");
+    refused(&["up", "dev1"], "/nonexistent/images/stm-dev1");
     refused(&["up", "nm172", "--clock", "sundial"], "sundial");
     refused(&["up", "nm172"], "/nonexistent/images/stm-nm172");
 }

@@ -44,7 +44,7 @@ impl Rig {
     /// A device that is on the bus, at this bit rate.
     pub(crate) fn new(bit_rate: BitRate) -> Result<Self, EngineError> {
         let image = |name: &str| Firmware::read(&images().join(name)).map(Arc::new);
-        let images = Images { stm: image("stm-nm172")?, msp: image("msp-nm172")? };
+        let images = Images::pair(image("stm-nm172")?, image("msp-nm172")?);
         let fleet = Fleet::new(&images, Options { nodes: 1, seed: 1, flash: Vec::new() })?;
         let master = fleet.bus().attach(Rate::Automatic, Role::Normal);
         let mut rig = Self { fleet, master, log: LogCursor::default() };
