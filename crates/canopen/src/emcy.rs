@@ -42,12 +42,14 @@ pub(crate) struct Producer {
 
 impl Producer {
     /// One that is switched off.
-    pub(crate) const OFF: Self = Self {
-        id: CanId::NONE,
-        inhibit_time: Duration::ZERO,
-        inhibited_until: Instant::ZERO,
-        waiting: Deque::new(),
-    };
+    pub(crate) const fn off() -> Self {
+        Self {
+            id: CanId::NONE,
+            inhibit_time: Duration::ZERO,
+            inhibited_until: Instant::ZERO,
+            waiting: Deque::new(),
+        }
+    }
 
     /// Takes 0x1014 and 0x1015 over. A producer that is switched off forgets what waits.
     pub(crate) fn reread<const LEN: usize>(

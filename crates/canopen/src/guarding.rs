@@ -36,13 +36,15 @@ pub(crate) enum Request {
 
 impl Guarded {
     /// As in a product without its objects.
-    pub(crate) const OFF: Self = Self {
-        is_served: false,
-        toggle: 0,
-        life_time: Duration::ZERO,
-        lost_at: Deadline::NEVER,
-        is_lost: false,
-    };
+    pub(crate) const fn off() -> Self {
+        Self {
+            is_served: false,
+            toggle: 0,
+            life_time: Duration::ZERO,
+            lost_at: Deadline::NEVER,
+            is_lost: false,
+        }
+    }
 
     /// Takes both objects over. Life guarding starts anew with the next request.
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {

@@ -18,7 +18,9 @@ pub(crate) struct Producer {
 
 impl Producer {
     /// One that is switched off.
-    pub(crate) const OFF: Self = Self { period: Duration::ZERO, due_at: Deadline::NEVER };
+    pub(crate) const fn off() -> Self {
+        Self { period: Duration::ZERO, due_at: Deadline::NEVER }
+    }
 
     /// Takes the value of 0x1017 over, 0 to 65535 ms; 0 switches off.
     pub(crate) fn set_period_ms(&mut self, period_ms: u32) {
@@ -70,7 +72,7 @@ mod tests {
     /// NM17x HB-01.
     #[test]
     fn a_late_heartbeat_does_not_move_the_next() {
-        let mut producer = Producer::OFF;
+        let mut producer = Producer::off();
         producer.set_period_ms(100);
         producer.start(at(10));
         for (now, due, next) in [(109, false, 110), (113, true, 210), (215, true, 310)] {

@@ -70,17 +70,19 @@ pub(crate) enum Received {
 
 impl Sync {
     /// As in a product without its objects.
-    pub(crate) const OFF: Self = Self {
-        id: CanId::NONE,
-        lengths: Lengths::NoneOrOne,
-        counter: 0,
-        period: Duration::ZERO,
-        due_at: Deadline::NEVER,
-        window: Duration::ZERO,
-        window_ends_at: Deadline::NEVER,
-        is_window_over: false,
-        length: Length::Expected,
-    };
+    pub(crate) const fn off() -> Self {
+        Self {
+            id: CanId::NONE,
+            lengths: Lengths::NoneOrOne,
+            counter: 0,
+            period: Duration::ZERO,
+            due_at: Deadline::NEVER,
+            window: Duration::ZERO,
+            window_ends_at: Deadline::NEVER,
+            is_window_over: false,
+            length: Length::Expected,
+        }
+    }
 
     pub(crate) const fn id(&self) -> CanId {
         self.id

@@ -46,7 +46,9 @@ pub(crate) enum Heard {
 
 impl Consumers {
     /// Nothing is monitored.
-    pub(crate) const OFF: Self = Self { entries: [None; CONSUMERS_MAX] };
+    pub(crate) const fn off() -> Self {
+        Self { entries: [None; CONSUMERS_MAX] }
+    }
 
     /// Takes an entry over. Whether another producer is listened to.
     pub(crate) fn reread<const LEN: usize>(&mut self, sub: u8, values: &Values<LEN>) -> bool {
