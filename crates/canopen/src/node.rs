@@ -497,7 +497,7 @@ impl<const LEN: usize> Node<LEN> {
             self.handle_guarding();
         } else {
             self.tpdos.handle_remote(self.now, id, &self.values, &mut self.outbox);
-            self.wake_by(self.tpdos.due_at());
+            self.wake_for_pdos();
         }
     }
 
@@ -630,7 +630,7 @@ impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     fn take_over_waiting(&mut self, application: &mut impl Application) {
         let Self { values, tpdos, rpdos, .. } = self;
-        rpdos.handle_sync(&mut Target { values, tpdos, application });
+        rpdos.handle_sync(&mut Target { values, tpdos, application, is_late: false });
         self.follow_values();
     }
 
@@ -638,8 +638,7 @@ impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     fn follow_values(&mut self) {
         self.transmit_due();
-        self.wake_by(self.tpdos.due_at());
-        self.wake_by(self.rpdos.due_at());
+        self.wake_for_pdos();
     }
 
     fn produce_sync(&mut self, application: &mut impl Application) {
@@ -667,18 +666,15 @@ impl<const LEN: usize> Node<LEN> {
 
     #[inline(never)]
     fn handle_rpdo(&mut self, frame: &Frame, application: &mut impl Application) {
-        let Some(position) = self.rpdos.position(frame.id()) else {
-            return self.handle_rare(frame);
-        };
         if self.state != State::Operational {
-            return;
-        }
-        if self.sync.is_window_over() && self.rpdos.waits_for_sync(position) {
-            return;
+            return self.handle_rare(frame);
         }
         let Self { values, tpdos, rpdos, .. } = self;
-        let target = &mut Target { values, tpdos, application };
-        let outcome = rpdos.handle_frame(self.now, position, frame, target);
+        let target =
+            &mut Target { values, tpdos, application, is_late: self.sync.is_window_over() };
+        let Some(outcome) = rpdos.handle_frame(self.now, frame, target) else {
+            return self.handle_rare(frame);
+        };
         if let Some(fault) = outcome.fault {
             self.say(fault.emergency(&self.settings.receive_errors));
         }
@@ -873,7 +869,7 @@ impl<const LEN: usize> Node<LEN> {
     fn note_value(&mut self, slot: Slot) {
         if self.tpdos.may_follow(slot) {
             self.tpdos.note_change(slot);
-            self.wake_by(self.tpdos.due_at());
+            self.wake_for_pdos();
         }
     }
 
@@ -982,6 +978,11 @@ impl<const LEN: usize> Node<LEN> {
     #[inline]
     fn wake_by(&mut self, deadline: Deadline) {
         self.wake_at = self.wake_at.min(deadline);
+    }
+
+    #[inline(never)]
+    fn wake_for_pdos(&mut self) {
+        self.wake_by(self.tpdos.due_at().min(self.rpdos.due_at()));
     }
 
     /// Looks for what is due next.

@@ -1,5 +1,5 @@
+mod communication;
 mod configuration;
-mod description;
 mod field;
 mod mapping;
 mod rpdo;

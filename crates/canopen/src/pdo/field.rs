@@ -29,19 +29,20 @@ impl Field {
     ) -> Result<Self, AbortCode> {
         let [bits, sub, low, high] = entry.to_le_bytes();
         let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
-        let (slot, data_type) = match (dummy(object), direction) {
-            (Some(data_type), Direction::Receive) => (Slot::NOWHERE, data_type),
+        let (slot, width) = match (dummy(object), direction) {
+            (Some(width), Direction::Receive) => (Slot::NOWHERE, width),
             (Some(_) | None, _) => mappable(object, dictionary, direction)?,
         };
-        if usize::from(bits) != 8 * data_type.len() {
-            return Err(AbortCode::NOT_MAPPABLE);
+        if bits == width.bits() {
+            Ok(Self { slot, at, width })
+        } else {
+            Err(AbortCode::NOT_MAPPABLE)
         }
-        Ok(Self { slot, at, width: Width::new(data_type) })
     }
 
     /// Where the next field begins.
     pub(super) const fn end(self) -> u8 {
-        self.at + self.width.byte_len()
+        self.at + self.width.bits() / 8
     }
 
     /// The number in the bytes of a PDO.
@@ -54,22 +55,33 @@ impl Field {
 impl Width {
     const SIGNED: u8 = 1 << 7;
 
-    const fn new(data_type: DataType) -> Self {
+    const fn unsigned(bits: u8) -> Self {
+        Self(32 - bits)
+    }
+
+    const fn signed(bits: u8) -> Self {
+        Self(Self::SIGNED | (32 - bits))
+    }
+
+    /// `None` for texts, which no PDO carries.
+    const fn of(data_type: DataType) -> Option<Self> {
         match data_type {
-            DataType::Unsigned8 => Self(24),
-            DataType::Unsigned16 => Self(16),
-            DataType::Unsigned32 | DataType::Integer32 | DataType::VisibleString(_) => Self(0),
-            DataType::Integer8 => Self(Self::SIGNED | 24),
-            DataType::Integer16 => Self(Self::SIGNED | 16),
+            DataType::Unsigned8 => Some(Self::unsigned(8)),
+            DataType::Unsigned16 => Some(Self::unsigned(16)),
+            DataType::Unsigned32 => Some(Self::unsigned(32)),
+            DataType::Integer8 => Some(Self::signed(8)),
+            DataType::Integer16 => Some(Self::signed(16)),
+            DataType::Integer32 => Some(Self::signed(32)),
+            DataType::VisibleString(_) => None,
         }
+    }
+
+    const fn bits(self) -> u8 {
+        32 - self.spare_bits()
     }
 
     const fn spare_bits(self) -> u8 {
         self.0 % 32
-    }
-
-    const fn byte_len(self) -> u8 {
-        4 - self.spare_bits() / 8
     }
 
     /// The low bytes of `word` as a number.
@@ -83,12 +95,12 @@ impl Width {
     }
 }
 
-/// The data types that stand for bytes to be skipped (CiA 301, section 7.4.7.1).
-const fn dummy(object: ObjectId) -> Option<DataType> {
+/// The width of a data type that stands for bytes to be skipped (CiA 301, section 7.4.7.1).
+const fn dummy(object: ObjectId) -> Option<Width> {
     match (object.index, object.sub) {
-        (0x0002 | 0x0005, 0) => Some(DataType::Unsigned8),
-        (0x0003 | 0x0006, 0) => Some(DataType::Unsigned16),
-        (0x0004 | 0x0007, 0) => Some(DataType::Unsigned32),
+        (0x0002 | 0x0005, 0) => Some(Width::unsigned(8)),
+        (0x0003 | 0x0006, 0) => Some(Width::unsigned(16)),
+        (0x0004 | 0x0007, 0) => Some(Width::unsigned(32)),
         _ => None,
     }
 }
@@ -97,17 +109,14 @@ fn mappable(
     object: ObjectId,
     dictionary: &Dictionary,
     direction: Direction,
-) -> Result<(Slot, DataType), AbortCode> {
+) -> Result<(Slot, Width), AbortCode> {
     let slot = dictionary.find(object).map_err(|_| AbortCode::NO_OBJECT)?;
     let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
-    match (row.pdo(), direction) {
-        _ if row.data_type().is_text() => Err(AbortCode::NOT_MAPPABLE),
-        (PdoMapping::Transmit | PdoMapping::Both, Direction::Transmit)
-        | (PdoMapping::Receive | PdoMapping::Both, Direction::Receive) => {
-            Ok((slot, row.data_type()))
-        }
-        (PdoMapping::No, _)
-        | (PdoMapping::Transmit, Direction::Receive)
-        | (PdoMapping::Receive, Direction::Transmit) => Err(AbortCode::NOT_MAPPABLE),
-    }
+    let one_way = match direction {
+        Direction::Receive => PdoMapping::Receive,
+        Direction::Transmit => PdoMapping::Transmit,
+    };
+    let goes = [one_way, PdoMapping::Both].contains(&row.pdo());
+    let width = Width::of(row.data_type()).filter(|_| goes);
+    width.map(|width| (slot, width)).ok_or(AbortCode::NOT_MAPPABLE)
 }

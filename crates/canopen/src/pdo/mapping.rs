@@ -4,7 +4,8 @@ use object_dictionary::{Dictionary, Slot, Values};
 use super::Direction;
 use super::field::Field;
 use super::slots::Slots;
-use crate::frame::DATA_MAX;
+use crate::cob_id::CobId;
+use crate::frame::{CanId, DATA_MAX};
 use crate::parameter::parameter;
 use crate::sdo::AbortCode;
 
@@ -37,6 +38,12 @@ pub struct Mapped<'a> {
 }
 
 impl Mapping {
+    /// Takes the mapping object with this index over, up to the first entry that does not fit.
+    pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
+        let count = parameter(values, index, 0).unwrap_or(0);
+        let _ = self.read(values, index, count);
+    }
+
     /// Takes the first `count` entries of the mapping object with this index, up to the first one
     /// that does not fit, which is an error.
     pub(super) fn read<const LEN: usize>(
@@ -48,9 +55,11 @@ impl Mapping {
         *self = Self::default();
         let dictionary = values.dictionary();
         let direction = Direction::of(index);
-        let count = u8::try_from(count).ok().filter(|&count| count <= MAPPED_MAX);
+        if count > u32::from(MAPPED_MAX) {
+            return Err(AbortCode::MAPPING_LENGTH);
+        }
         let mut end = 0;
-        for sub in 1..=count.ok_or(AbortCode::MAPPING_LENGTH)? {
+        for (sub, _) in (1..).zip(0..count) {
             let entry = parameter(values, index, sub).ok_or(AbortCode::MAPPING_LENGTH)?;
             let field = Field::new(entry, end, dictionary, direction)?;
             end = field.end();
@@ -61,6 +70,11 @@ impl Mapping {
             }
         }
         if end <= LEN_MAX { Ok(()) } else { Err(AbortCode::MAPPING_LENGTH) }
+    }
+
+    /// The identifier of a PDO with this mapping: none when it is switched off or carries nothing.
+    pub(super) fn id(&self, cob_id: CobId) -> CanId {
+        cob_id.valid().filter(|_| self.len > 0).unwrap_or(CanId::NONE)
     }
 
     /// The slots that it carries.
@@ -94,17 +108,14 @@ impl Mapping {
         }
     }
 
-    /// What a word has more than its field is overwritten by the next one.
+    /// What a word has more than its field is overwritten by what follows.
     fn gather_bytes<const LEN: usize>(&self, values: &Values<LEN>) -> u64 {
         let mut bytes: Bytes = [0; _];
         for field in self.fields() {
             put(&mut bytes, field.at % LEN_MAX, values.raw(field.slot));
         }
-        let data = u64::from_le_bytes(bytes.first_chunk().copied().unwrap_or_default());
-        match self.len {
-            LEN_MAX.. => data,
-            len => data & !(u64::MAX << (8 * len)),
-        }
+        put(&mut bytes, self.len, 0);
+        u64::from_le_bytes(bytes.first_chunk().copied().unwrap_or_default())
     }
 
     /// Whether all numbers in `bytes` may be written.
@@ -143,7 +154,8 @@ impl Mapped<'_> {
 }
 
 fn put(bytes: &mut Bytes, at: u8, word: u32) {
-    if let Some(place) = bytes.get_mut(usize::from(at)..).and_then(<[u8]>::first_chunk_mut) {
+    let at = usize::from(at);
+    if let Some(place) = bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut) {
         *place = word.to_le_bytes();
     }
 }

@@ -1,8 +1,9 @@
 use object_dictionary::Values;
 use units::{Duration, Instant};
 
-use super::description::Description;
-use super::mapping::Bytes;
+use super::MAPPING;
+use super::communication::Communication;
+use super::mapping::{Bytes, Mapping};
 use super::target::Target;
 use crate::application::Application;
 use crate::deadline::Deadline;
@@ -15,7 +16,11 @@ use crate::settings::{Emergency, ReceiveErrors};
 /// from the first PDO on, and once it has elapsed, not before the next one.
 #[derive(Debug)]
 pub(super) struct Rpdo {
-    description: Description,
+    /// None while it is switched off or carries nothing.
+    id: CanId,
+    reception: Reception,
+    event_time: Duration,
+    mapping: Mapping,
     /// Bytes that wait for a SYNC.
     waiting: Option<Bytes>,
     expires_at: Deadline,
@@ -52,26 +57,32 @@ pub(crate) enum Fault {
 impl Rpdo {
     /// One that is switched off.
     pub(super) fn off() -> Self {
-        Self { description: Description::off(), waiting: None, expires_at: Deadline::NEVER }
+        Self {
+            id: CanId::NONE,
+            reception: Reception::Never,
+            event_time: Duration::ZERO,
+            mapping: Mapping::default(),
+            waiting: None,
+            expires_at: Deadline::NEVER,
+        }
     }
 
     /// The identifier it listens to; none while it is switched off.
     pub(super) const fn id(&self) -> CanId {
-        self.description.id
-    }
-
-    /// Whether its values wait for a SYNC.
-    pub(super) fn waits_for_sync(&self) -> bool {
-        self.reception() == Reception::WithSync
-    }
-
-    const fn reception(&self) -> Reception {
-        Reception::new(self.description.transmission_type)
+        self.id
     }
 
     /// Takes its objects over, and forgets what waits.
-    pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
-        self.description.reread(values, index);
+    pub(super) fn reread<const LEN: usize>(
+        &mut self,
+        index: u16,
+        values: &Values<LEN>,
+        communication: &Communication,
+    ) {
+        self.mapping.reread(values, index | MAPPING);
+        self.id = self.mapping.id(communication.cob_id);
+        self.reception = Reception::new(communication.transmission_type);
+        self.event_time = Duration::from_millis(communication.event_time_ms.into());
         self.stop();
     }
 
@@ -89,24 +100,25 @@ impl Rpdo {
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
     ) -> Outcome {
-        let mapping = &self.description.mapping;
-        let (sent, len) = (frame.dlc(), mapping.byte_len());
+        let (sent, len) = (frame.dlc(), self.mapping.byte_len());
         let mut outcome = Outcome::default();
+        if target.is_late && self.reception == Reception::WithSync {
+            return outcome;
+        }
         if sent < len {
             return Outcome { fault: Some(Fault::TooShort), ..outcome };
         }
-        let event_time = self.description.event_time();
-        if event_time > Duration::ZERO {
-            self.expires_at = Deadline::after(now, event_time);
+        if self.event_time > Duration::ZERO {
+            self.expires_at = Deadline::after(now, self.event_time);
             outcome.goes_on = true;
         }
         let bytes = padded(frame);
-        if !mapping.permits(&bytes, target.values.dictionary()) {
+        if !self.mapping.permits(&bytes, target.values.dictionary()) {
             return Outcome { fault: Some(Fault::Value), ..outcome };
         }
-        match self.reception() {
+        match self.reception {
             Reception::AtOnce => {
-                outcome.goes_on |= target.take_over(number, mapping.scatter(&bytes));
+                outcome.goes_on |= target.take_over(number, self.mapping.scatter(&bytes));
             }
             Reception::WithSync => self.waiting = Some(bytes),
             Reception::Never => {}
@@ -122,7 +134,7 @@ impl Rpdo {
         target: &mut Target<'_, A, LEN>,
     ) {
         if let Some(bytes) = self.waiting.take() {
-            target.take_over(number, self.description.mapping.scatter(&bytes));
+            target.take_over(number, self.mapping.scatter(&bytes));
         }
     }
 

@@ -2,13 +2,13 @@ use heapless::Vec;
 use object_dictionary::Values;
 use units::Instant;
 
+use super::communication::Communication;
 use super::rpdo::{Outcome, Rpdo};
 use super::target::Target;
 use super::{MAPPING, PDO_MAX, RECEIVE};
 use crate::application::Application;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
-use crate::parameter::parameter;
 
 /// The receive PDOs of a device, each at the place that its number says.
 #[derive(Debug, Default)]
@@ -30,13 +30,11 @@ impl Rpdos {
     pub(crate) fn reread<const LEN: usize>(&mut self, index: u16, values: &Values<LEN>) -> bool {
         let number = index % MAPPING;
         let index = RECEIVE + number;
-        if parameter(values, index, 1).is_none() {
-            return false;
-        }
+        let Some(communication) = Communication::read(values, index) else { return false };
         while self.rpdos.len() <= number.into() && self.rpdos.push(Rpdo::off()).is_ok() {}
         let Some(rpdo) = self.rpdos.get_mut(usize::from(number)) else { return false };
         let before = rpdo.id();
-        rpdo.reread(values, index);
+        rpdo.reread(index, values, &communication);
         before != rpdo.id()
     }
 
@@ -45,30 +43,19 @@ impl Rpdos {
         self.rpdos.iter().map(Rpdo::id).filter(|&id| id != CanId::NONE)
     }
 
-    /// The place of the first one that listens to this identifier.
-    pub(crate) fn position(&self, id: CanId) -> Option<u16> {
-        let mut numbered = (0..).zip(&self.rpdos);
-        numbered.find_map(|(number, rpdo)| (rpdo.id() == id).then_some(number))
-    }
-
-    /// Whether data frames for the one with this number wait for a SYNC.
-    pub(crate) fn waits_for_sync(&self, number: u16) -> bool {
-        self.rpdos.get(usize::from(number)).is_some_and(Rpdo::waits_for_sync)
-    }
-
-    /// Takes a data frame for the one with this number.
+    /// Takes a data frame, if one listens to its identifier.
+    #[inline]
     pub(crate) fn handle_frame<A: Application, const LEN: usize>(
         &mut self,
         now: Instant,
-        number: u16,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
-    ) -> Outcome {
-        let rpdo = self.rpdos.get_mut(usize::from(number));
-        let Some(rpdo) = rpdo else { return Outcome::default() };
+    ) -> Option<Outcome> {
+        let mut numbered = (0..).zip(&mut self.rpdos);
+        let (number, rpdo) = numbered.find(|(_, rpdo)| rpdo.id() == frame.id())?;
         let outcome = rpdo.handle(now, number, frame, target);
         self.wait |= rpdo.waits();
-        outcome
+        Some(outcome)
     }
 
     /// Whether one waits for a SYNC.

@@ -8,6 +8,10 @@ pub(super) struct Slots(u32);
 impl Slots {
     pub(super) const EMPTY: Self = Self(0);
 
+    pub(super) const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
     pub(super) const fn of(slot: Slot) -> Self {
         Self(1 << (slot.position() % 32))
     }

@@ -9,6 +9,8 @@ pub(crate) struct Target<'a, A, const LEN: usize> {
     pub(crate) values: &'a mut Values<LEN>,
     pub(crate) tpdos: &'a mut Tpdos,
     pub(crate) application: &'a mut A,
+    /// Whether what waits for a SYNC comes too late for this one.
+    pub(crate) is_late: bool,
 }
 
 impl<A: Application, const LEN: usize> Target<'_, A, LEN> {

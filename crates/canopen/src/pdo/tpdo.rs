@@ -2,11 +2,12 @@ use object_dictionary::{Slot, Values};
 use units::{Duration, Instant};
 
 use super::MAPPING;
-use super::description::Description;
+use super::communication::Communication;
+use super::mapping::Mapping;
 use super::slots::Slots;
 use super::transmission::Transmission;
 use crate::deadline::Deadline;
-use crate::frame::{CanId, Frame};
+use crate::frame::{CanId, DATA_MAX, Frame};
 use crate::outbox::Outbox;
 use crate::settings::{PdoRules, RemoteRequests};
 
@@ -21,11 +22,19 @@ use crate::settings::{PdoRules, RemoteRequests};
 /// A remote frame is answered at once, whatever the inhibit time says.
 #[derive(Debug)]
 pub(super) struct Tpdo {
-    description: Description,
+    /// None while it is switched off or carries nothing.
+    id: CanId,
+    mapping: Mapping,
     transmission: Transmission,
+    /// The counter of the SYNC that counts as the first; 0 when any does.
+    sync_start: u32,
     /// The identifier of the remote frames it answers, or none.
     remote_id: CanId,
+    /// The slots whose changes are events.
+    watched: Slots,
     inhibit_time: Duration,
+    /// None at all where the event timer is no event.
+    event_time: Duration,
     inhibited_until: Instant,
     /// Only while the node is Operational and the PDO switched on.
     progress: Option<Progress>,
@@ -39,17 +48,21 @@ struct Progress {
     /// SYNCs up to the next frame; 0 before the first that counts.
     syncs_left: u8,
     /// The data at the last SYNC, where remote frames ask for that.
-    sampled: Option<u64>,
+    sampled: Option<[u8; DATA_MAX]>,
 }
 
 impl Tpdo {
     /// One that is switched off.
     pub(super) fn off() -> Self {
         Self {
-            description: Description::off(),
+            id: CanId::NONE,
+            mapping: Mapping::default(),
             transmission: Transmission::Never,
+            sync_start: 0,
             remote_id: CanId::NONE,
+            watched: Slots::EMPTY,
             inhibit_time: Duration::ZERO,
+            event_time: Duration::ZERO,
             inhibited_until: Instant::ZERO,
             progress: None,
         }
@@ -57,7 +70,7 @@ impl Tpdo {
 
     /// The identifier of its frames; none while it is switched off.
     pub(super) const fn id(&self) -> CanId {
-        self.description.id
+        self.id
     }
 
     /// The identifier of the remote frames it answers; none where it does not.
@@ -72,11 +85,7 @@ impl Tpdo {
 
     /// The slots whose changes are events.
     pub(super) const fn watched(&self) -> Slots {
-        if self.transmission.follows_changes() {
-            self.description.mapping.slots()
-        } else {
-            Slots::EMPTY
-        }
+        self.watched
     }
 
     /// Takes its objects over. A PDO in progress goes on; one that now has another identifier, type
@@ -86,43 +95,43 @@ impl Tpdo {
         now: Instant,
         index: u16,
         values: &Values<LEN>,
+        communication: &Communication,
         rules: &PdoRules,
     ) {
-        let before = (self.id(), self.transmission);
-        self.description.reread(values, index & !MAPPING);
-        self.transmission = Transmission::new(self.description.transmission_type, rules);
-        self.inhibit_time = rules.inhibit_unit * u64::from(self.description.inhibit_time);
+        let before = (self.id, self.transmission);
+        self.mapping.reread(values, index | MAPPING);
+        self.id = self.mapping.id(communication.cob_id);
+        self.transmission = Transmission::new(communication.transmission_type, rules);
+        self.sync_start = communication.sync_start;
+        self.watched =
+            if self.transmission.follows_changes() { self.mapping.slots() } else { Slots::EMPTY };
+        self.event_time = if self.transmission.follows_timer() {
+            Duration::from_millis(communication.event_time_ms.into())
+        } else {
+            Duration::ZERO
+        };
+        self.inhibit_time = rules.inhibit_unit * u64::from(communication.inhibit_time);
         self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
         let answers = match rules.remote_requests {
             RemoteRequests::AllTypes => true,
             RemoteRequests::RemoteTypes => self.transmission.is_remote_only(),
         };
-        let answers = answers && self.description.allows_remote;
-        self.remote_id = if answers { self.id() } else { CanId::NONE };
-        if before != (self.id(), self.transmission) || index & MAPPING != 0 {
+        let answers = answers && communication.cob_id.allows_remote();
+        self.remote_id = if answers { self.id } else { CanId::NONE };
+        if before != (self.id, self.transmission) || index & MAPPING != 0 {
             self.progress = None;
         }
-        let timer_at = self.timer_from(now);
         if let Some(progress) = &mut self.progress {
-            progress.timer_at = timer_at;
-        }
-    }
-
-    /// When the event timer elapses if it starts now.
-    fn timer_from(&self, now: Instant) -> Deadline {
-        if self.transmission.follows_timer() {
-            Deadline::after(now, self.description.event_time())
-        } else {
-            Deadline::NEVER
+            progress.timer_at = Deadline::after(now, self.event_time);
         }
     }
 
     /// The node is Operational. A PDO in progress goes on.
     pub(super) fn start(&mut self, now: Instant) {
-        if self.id() != CanId::NONE && self.progress.is_none() {
+        if self.id != CanId::NONE && self.progress.is_none() {
             self.progress = Some(Progress {
-                event: self.transmission.follows_changes(),
-                timer_at: self.timer_from(now),
+                event: !self.watched.is_empty(),
+                timer_at: Deadline::after(now, self.event_time),
                 syncs_left: 0,
                 sampled: None,
             });
@@ -136,12 +145,12 @@ impl Tpdo {
 
     /// The value at `slot` changed.
     pub(super) fn note_change(&mut self, slot: Slot) {
-        if self.transmission.follows_changes() && self.description.mapping.carries(slot) {
+        if self.watched.meets(Slots::of(slot)) && self.mapping.carries(slot) {
             self.trigger();
         }
     }
 
-    /// The product has an event of its own.
+    /// There is an event.
     pub(super) fn trigger(&mut self) {
         if let Some(progress) = &mut self.progress {
             progress.event = self.transmission.has_events();
@@ -158,12 +167,10 @@ impl Tpdo {
     ) {
         let Some(progress) = &mut self.progress else { return };
         let goes = match self.transmission {
-            Transmission::EverySync { nth } => {
-                progress.count_sync(counter, self.description.sync_start, nth)
-            }
+            Transmission::EverySync { nth } => progress.count_sync(counter, self.sync_start, nth),
             Transmission::SyncAfterEvent => core::mem::take(&mut progress.event),
             Transmission::RemoteFromSync => {
-                progress.sampled = Some(self.description.mapping.gather(values));
+                progress.sampled = Some(self.mapping.gather(values).to_le_bytes());
                 false
             }
             Transmission::Remote | Transmission::Event(_) | Transmission::Never => false,
@@ -182,9 +189,8 @@ impl Tpdo {
     ) {
         match (self.transmission, &self.progress) {
             (_, None) => {}
-            (Transmission::Event(_), _) => self.transmit(now, values, outbox),
-            (_, Some(Progress { sampled: Some(data), .. })) => outbox.supersede(self.frame(*data)),
-            (_, Some(Progress { sampled: None, .. })) => self.send(values, outbox),
+            (Transmission::Event(_), Some(_)) => self.transmit(now, values, outbox),
+            (_, Some(_)) => self.send(values, outbox),
         }
     }
 
@@ -209,20 +215,21 @@ impl Tpdo {
             progress.event = false;
             if progress.timer_at != Deadline::NEVER {
                 let from = progress.timer_at.min(Deadline::at(now));
-                progress.timer_at = from.next(now, self.description.event_time());
+                progress.timer_at = from.next(now, self.event_time);
             }
         }
         self.inhibited_until = now + self.inhibit_time;
         self.send(values, outbox);
     }
 
-    /// Sends the present values.
+    /// Sends the present values, or those at the last SYNC where remote frames ask for that.
     fn send<const LEN: usize>(&self, values: &Values<LEN>, outbox: &mut Outbox) {
-        outbox.supersede(self.frame(self.description.mapping.gather(values)));
-    }
-
-    fn frame(&self, data: u64) -> Frame {
-        Frame::padded_from(self.id(), data.to_le_bytes(), self.description.mapping.byte_len())
+        let mapping = &self.mapping;
+        let data = match self.progress {
+            Some(Progress { sampled: Some(data), .. }) => data,
+            Some(Progress { sampled: None, .. }) | None => mapping.gather(values).to_le_bytes(),
+        };
+        outbox.supersede(Frame::padded_from(self.id, data, mapping.byte_len()));
     }
 }
 

@@ -2,13 +2,13 @@ use heapless::Vec;
 use object_dictionary::{Slot, Values};
 use units::Instant;
 
+use super::communication::Communication;
 use super::slots::Slots;
 use super::tpdo::Tpdo;
 use super::{MAPPING, PDO_MAX, TRANSMIT};
 use crate::deadline::Deadline;
 use crate::frame::CanId;
 use crate::outbox::Outbox;
-use crate::parameter::parameter;
 use crate::settings::PdoRules;
 
 /// The transmit PDOs of a device, each at the place that its number says.
@@ -41,13 +41,12 @@ impl Tpdos {
         rules: &PdoRules,
     ) -> bool {
         let number = index % MAPPING;
-        if parameter(values, TRANSMIT + number, 1).is_none() {
-            return false;
-        }
+        let communication = Communication::read(values, TRANSMIT + number);
+        let Some(communication) = communication else { return false };
         while self.tpdos.len() <= number.into() && self.tpdos.push(Tpdo::off()).is_ok() {}
         let Some(tpdo) = self.tpdos.get_mut(usize::from(number)) else { return false };
         let before = tpdo.remote_id();
-        tpdo.reread(now, index, values, rules);
+        tpdo.reread(now, index, values, &communication, rules);
         let moved = before != tpdo.remote_id();
         self.watched = self.tpdos.iter().map(Tpdo::watched).fold(Slots::EMPTY, Slots::join);
         moved
