@@ -1,20 +1,25 @@
+use core::num::NonZeroU8;
+
 use crate::frame::CanId;
 
 /// A node-ID, 1 to 127.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(u8);
+pub struct NodeId(NonZeroU8);
 
 impl NodeId {
     /// The node-ID `id`. `None` for 0 and above 127.
     #[must_use]
     pub const fn new(id: u8) -> Option<Self> {
-        if 1 <= id && id <= 127 { Some(Self(id)) } else { None }
+        match NonZeroU8::new(id) {
+            Some(id) if id.get() <= 127 => Some(Self(id)),
+            Some(_) | None => None,
+        }
     }
 
     /// The node-ID as a number, 1 to 127.
     #[must_use]
     pub const fn get(self) -> u8 {
-        self.0
+        self.0.get()
     }
 }
 
@@ -40,7 +45,7 @@ impl Service {
 
     /// The identifier of this object at a node.
     pub(crate) const fn id(self, node_id: NodeId) -> CanId {
-        CanId::from_low_bits(self.function_code() as u32 + node_id.0 as u32)
+        CanId::from_low_bits(self.function_code() as u32 + node_id.get() as u32)
     }
 
     const fn function_code(self) -> u16 {

@@ -27,6 +27,12 @@ impl Deadline {
         Self(if next_at > now { next_at } else { now + period })
     }
 
+    /// The earlier of two, where size counts more than time.
+    #[inline(never)]
+    pub(crate) fn or_earlier(self, other: Self) -> Self {
+        self.min(other)
+    }
+
     pub(crate) fn is_due(self, now: Instant) -> bool {
         self.0 <= now
     }

@@ -5,7 +5,7 @@ use units::{Duration, Instant};
 use crate::cob_id::{CobId, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::settings::{AdditionalInformation, Settings};
 
 /// Messages that may wait for the end of the inhibit time.
@@ -58,12 +58,11 @@ impl Producer {
         node_id: NodeId,
         values: &Values<LEN>,
     ) {
-        let value = |index| parameter(values, index, 0);
-        self.id = match value(COB_ID) {
+        self.id = match parameter(values, COB_ID, 0) {
             Some(raw) => CobId::from_raw(raw).valid().unwrap_or(CanId::NONE),
             None => Service::Emergency.id(node_id),
         };
-        self.inhibit_time = INHIBIT_UNIT * u64::from(value(INHIBIT_TIME).unwrap_or(0));
+        self.inhibit_time = INHIBIT_UNIT * u64::from(number(values, INHIBIT_TIME, 0));
         self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
         if self.id == CanId::NONE {
             self.waiting.clear();
@@ -84,7 +83,7 @@ impl Producer {
         }
         let [low, high] = error_code.to_le_bytes();
         let [a, b, c, d, e] = manufacturer;
-        let register = parameter(values, ERROR_REGISTER, 0).unwrap_or(0);
+        let register = number(values, ERROR_REGISTER, 0);
         let [register, ..] = register.to_le_bytes();
         let data = [low, high, register, a, b, c, d, e];
         if self.id == CanId::NONE {
@@ -133,7 +132,7 @@ fn record<const LEN: usize>(values: &mut Values<LEN>, entry: u32) {
     let Ok(count) = dictionary.find(ObjectId { index: HISTORY, sub: 0 }) else { return };
     let mut carried = entry;
     let mut entries = 0;
-    for sub in 1..=u8::MAX {
+    for sub in 1..u8::MAX {
         let Ok(slot) = dictionary.find(ObjectId { index: HISTORY, sub }) else { break };
         let before = values.raw(slot);
         values.set_raw(slot, carried);

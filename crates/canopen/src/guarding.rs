@@ -2,7 +2,7 @@ use object_dictionary::Values;
 use units::{Duration, Instant};
 
 use crate::deadline::Deadline;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 
 /// The time between two guarding requests, in milliseconds.
 pub(crate) const GUARD_TIME: u16 = 0x100C;
@@ -48,11 +48,10 @@ impl Guarded {
 
     /// Takes both objects over. Life guarding starts anew with the next request.
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let value = |index| parameter(values, index, 0).map(u64::from);
-        let guard_time = value(GUARD_TIME);
+        let guard_time = parameter(values, GUARD_TIME, 0);
         self.is_served = guard_time.is_some();
-        self.life_time =
-            Duration::from_millis(guard_time.unwrap_or(0)) * value(LIFE_TIME_FACTOR).unwrap_or(0);
+        self.life_time = Duration::from_millis(u64::from(guard_time.unwrap_or(0)))
+            * u64::from(number(values, LIFE_TIME_FACTOR, 0));
         self.stop();
     }
 

@@ -14,7 +14,7 @@ use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::pdo::{self, PDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Effect, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
@@ -213,7 +213,7 @@ impl<const LEN: usize> Node<LEN> {
         self.heartbeat.start(now);
         self.enter(State::PreOperational);
         self.listen();
-        if parameter(&self.values, NMT_STARTUP, 0).unwrap_or(0) & SELF_STARTING != 0 {
+        if number(&self.values, NMT_STARTUP, 0) & SELF_STARTING != 0 {
             self.enter(State::Operational);
         }
         self.transmit_due();
@@ -330,10 +330,7 @@ impl<const LEN: usize> Node<LEN> {
     /// present error register. Nothing in a state that has no emergency messages: Initialising and
     /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
-        if let Some(frame) = self.raise(error_code, manufacturer) {
-            self.outbox.push_once(frame);
-        }
-        self.wake_by(self.emergency_due_at());
+        self.raise(self.state, error_code, manufacturer);
     }
 
     /// What happened, the oldest first.
@@ -596,7 +593,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn identity(&self) -> lss::Identity {
-        let part = |sub| parameter(&self.values, IDENTITY, sub).unwrap_or(0);
+        let part = |sub| number(&self.values, IDENTITY, sub);
         lss::Identity {
             vendor_id: part(1),
             product_code: part(2),
@@ -729,11 +726,9 @@ impl<const LEN: usize> Node<LEN> {
     /// The message is older than the state that follows, and is sent even if that has none.
     fn lose_partner(&mut self) {
         self.update_error_register();
-        let message = self.raise(emcy::PARTNER_LOST, [0; 5]);
+        let state = self.state;
         self.react(ErrorClass::Communication);
-        if let Some(message) = message.filter(|_| self.state != State::Initialising) {
-            self.outbox.push_once(message);
-        }
+        self.raise(state, emcy::PARTNER_LOST, [0; 5]);
     }
 
     fn update_error_register(&mut self) {
@@ -776,12 +771,21 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Takes an error, in the states that have emergency messages.
-    fn raise(&mut self, error_code: u16, manufacturer: [u8; 5]) -> Option<Frame> {
-        if !self.state.serves_sdo() {
-            return None;
+    /// Takes an error that came in `state`, if that has emergency messages.
+    #[inline(never)]
+    fn raise(&mut self, state: State, error_code: u16, manufacturer: [u8; 5]) {
+        if !state.serves_sdo() {
+            return;
         }
-        self.emergencies.raise(error_code, manufacturer, &mut self.values, self.settings)
+        let Self { values, settings, .. } = self;
+        let message = self.emergencies.raise(error_code, manufacturer, values, settings);
+        match (message, self.state) {
+            (Some(_), State::Initialising) | (None, _) => {}
+            (Some(frame), State::PreOperational | State::Operational | State::Stopped) => {
+                self.outbox.push_once(frame);
+            }
+        }
+        self.wake_by(self.emergency_due_at());
     }
 
     fn enter(&mut self, to: State) {
@@ -903,8 +907,7 @@ impl<const LEN: usize> Node<LEN> {
                 self.update_error_register();
             }
             HEARTBEAT_TIME => {
-                let period_ms = parameter(&self.values, HEARTBEAT_TIME, 0).unwrap_or(0);
-                self.heartbeat.set_period_ms(period_ms);
+                self.heartbeat.set_period_ms(number(&self.values, HEARTBEAT_TIME, 0));
                 if self.heartbeat.is_on() {
                     self.guarded.stop();
                     self.update_error_register();
@@ -987,18 +990,14 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Looks for what is due next.
     fn schedule(&mut self) {
-        self.wake_at = [
-            self.sdo.poll_timeout().into(),
-            self.heartbeat.due_at(),
-            self.monitored.due_at(),
-            self.guarded.due_at(),
-            self.emergency_due_at(),
-            self.sync.due_at(),
-            self.rpdos.due_at(),
-            self.tpdos.due_at(),
-        ]
-        .into_iter()
-        .fold(Deadline::NEVER, Deadline::min);
+        self.wake_at = Deadline::from(self.sdo.poll_timeout())
+            .or_earlier(self.heartbeat.due_at())
+            .or_earlier(self.monitored.due_at())
+            .or_earlier(self.guarded.due_at())
+            .or_earlier(self.emergency_due_at())
+            .or_earlier(self.sync.due_at())
+            .or_earlier(self.rpdos.due_at())
+            .or_earlier(self.tpdos.due_at());
     }
 
     #[inline(never)]

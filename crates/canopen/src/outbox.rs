@@ -30,7 +30,7 @@ impl Outbox {
         if self.frames.is_empty() {
             self.push_alone(frame);
         } else {
-            self.insert(frame, |waiting| urgency(waiting) <= urgency(&frame));
+            self.insert(frame, urgency(&frame) + 1);
         }
     }
 
@@ -43,7 +43,7 @@ impl Outbox {
     /// Puts a frame back that a more urgent one pushed out of a mailbox: in front of those with the
     /// same identifier.
     pub(crate) fn give_back(&mut self, frame: Frame) {
-        self.insert(frame, |waiting| urgency(waiting) < urgency(&frame));
+        self.insert(frame, urgency(&frame));
     }
 
     /// Adds a frame in place of the newest one with the same identifier, if one waits. A boot-up
@@ -118,9 +118,10 @@ impl Outbox {
         })
     }
 
-    /// Adds a frame behind those that go first. In a full list the least urgent frame goes, which
-    /// may be the new one.
-    fn insert(&mut self, frame: Frame, goes_first: impl Fn(&Frame) -> bool) {
+    /// Adds a frame behind those with an urgency below `limit`. In a full list the least urgent frame
+    /// goes, which may be the new one.
+    fn insert(&mut self, frame: Frame, limit: u16) {
+        let goes_first = |waiting: &Frame| urgency(waiting) < limit;
         let mut carried = frame;
         if self.frames.is_full() {
             self.lost = self.lost.saturating_add(1);

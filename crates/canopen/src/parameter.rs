@@ -10,3 +10,9 @@ pub(crate) fn parameter<const LEN: usize>(
     let slot = values.dictionary().find(ObjectId { index, sub }).ok()?;
     Some(values.raw(slot))
 }
+
+/// The number at an object of the communication; 0 when the product does not have it.
+#[inline(never)]
+pub(crate) fn number<const LEN: usize>(values: &Values<LEN>, index: u16, sub: u8) -> u32 {
+    parameter(values, index, sub).unwrap_or(0)
+}

@@ -4,7 +4,7 @@ use units::{Duration, Instant};
 use crate::cob_id::CobId;
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::sdo::AbortCode;
 
 pub(crate) const COB_ID: u16 = 0x1005;
@@ -27,13 +27,17 @@ pub(crate) const OVERFLOW: u16 = 0x1019;
 pub(crate) struct Sync {
     /// None without 0x1005.
     id: CanId,
-    lengths: Lengths,
+    /// The value that the counter of a SYNC begins again after; 0 for a SYNC without one that counts.
+    overflow: u8,
+    /// The most data bytes that a SYNC has.
+    len_max: u8,
     /// The counter of the last SYNC produced; 0 before the first.
     counter: u8,
-    /// Zero for a device that does not produce.
-    period: Duration,
+    /// In microseconds; 0 for a device that does not produce.
+    period_us: u32,
     due_at: Deadline,
-    window: Duration,
+    /// In microseconds; 0 without a window.
+    window_us: u32,
     window_ends_at: Deadline,
     is_window_over: bool,
     length: Length,
@@ -44,17 +48,6 @@ pub(crate) struct Sync {
 enum Length {
     Expected,
     Unexpected,
-}
-
-/// How many data bytes a SYNC has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lengths {
-    /// None, or a counter that does not count.
-    NoneOrOne,
-    /// None.
-    None,
-    /// A counter from 1 to `overflow`.
-    Counter { overflow: u8 },
 }
 
 /// What a data frame is to the consumer.
@@ -73,11 +66,12 @@ impl Sync {
     pub(crate) const fn off() -> Self {
         Self {
             id: CanId::NONE,
-            lengths: Lengths::NoneOrOne,
+            overflow: 0,
+            len_max: 1,
             counter: 0,
-            period: Duration::ZERO,
+            period_us: 0,
             due_at: Deadline::NEVER,
-            window: Duration::ZERO,
+            window_us: 0,
             window_ends_at: Deadline::NEVER,
             is_window_over: false,
             length: Length::Expected,
@@ -91,22 +85,20 @@ impl Sync {
     /// Takes its objects over. A producer that is to produce otherwise stands still until
     /// [`Self::start`].
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
-        let value = |index| parameter(values, index, 0);
-        let Some(cob_id) = value(COB_ID).map(CobId::from_raw) else { return };
-        let microseconds = |index| Duration::from_micros(u64::from(value(index).unwrap_or(0)));
-        let lengths = match value(OVERFLOW).map(u32::to_le_bytes) {
-            None => Lengths::NoneOrOne,
-            Some([0, ..]) => Lengths::None,
-            Some([overflow, ..]) => Lengths::Counter { overflow },
+        let Some(cob_id) = parameter(values, COB_ID, 0).map(CobId::from_raw) else { return };
+        let (overflow, len_max) = match parameter(values, OVERFLOW, 0).map(u32::to_le_bytes) {
+            None => (0, 1),
+            Some([0, ..]) => (0, 0),
+            Some([overflow, ..]) => (overflow, 1),
         };
-        let period = if cob_id.generates() { microseconds(PERIOD) } else { Duration::ZERO };
-        let kind = (cob_id.can_id(), lengths, period);
-        if kind != (self.id, self.lengths, self.period) {
-            (self.id, self.lengths, self.period) = kind;
+        let period_us = if cob_id.generates() { number(values, PERIOD, 0) } else { 0 };
+        let kind = (cob_id.can_id(), overflow, len_max, period_us);
+        if kind != (self.id, self.overflow, self.len_max, self.period_us) {
+            (self.id, self.overflow, self.len_max, self.period_us) = kind;
             self.due_at = Deadline::NEVER;
             self.length = Length::Expected;
         }
-        self.window = microseconds(WINDOW);
+        self.window_us = number(values, WINDOW, 0);
         self.close_window();
     }
 
@@ -114,7 +106,7 @@ impl Sync {
     pub(crate) fn start(&mut self, now: Instant) {
         if self.due_at == Deadline::NEVER {
             self.counter = 0;
-            self.due_at = Deadline::after(now, self.period);
+            self.due_at = Deadline::after(now, microseconds(self.period_us));
         }
     }
 
@@ -126,26 +118,23 @@ impl Sync {
 
     /// Takes a data frame with its identifier.
     pub(crate) fn receive(&mut self, frame: &Frame) -> Received {
-        let [counter, ..] = frame.padded();
-        let counter = match (self.lengths, frame.dlc()) {
-            (Lengths::NoneOrOne | Lengths::None, 0) | (Lengths::NoneOrOne, 1) => None,
-            (Lengths::Counter { .. }, 1) => Some(counter),
-            (Lengths::NoneOrOne | Lengths::None | Lengths::Counter { .. }, _) => {
-                return match core::mem::replace(&mut self.length, Length::Unexpected) {
-                    Length::Expected => Received::UnexpectedLength,
-                    Length::Unexpected => Received::Nothing,
-                };
-            }
-        };
+        let has_counter = self.overflow != 0;
+        if !(u8::from(has_counter)..=self.len_max).contains(&frame.dlc()) {
+            return match core::mem::replace(&mut self.length, Length::Unexpected) {
+                Length::Expected => Received::UnexpectedLength,
+                Length::Unexpected => Received::Nothing,
+            };
+        }
         self.length = Length::Expected;
-        Received::Sync { counter }
+        let [counter, ..] = frame.padded();
+        Received::Sync { counter: has_counter.then_some(counter) }
     }
 
     /// A SYNC came: its window opens. When that ends, if there is one.
     pub(crate) fn open_window(&mut self, now: Instant) -> Option<Deadline> {
-        (self.window > Duration::ZERO).then(|| {
+        (self.window_us > 0).then(|| {
             self.is_window_over = false;
-            self.window_ends_at = Deadline::after(now, self.window);
+            self.window_ends_at = Deadline::after(now, microseconds(self.window_us));
             self.window_ends_at
         })
     }
@@ -179,15 +168,17 @@ impl Sync {
         if !self.due_at.is_due(now) {
             return None;
         }
-        self.due_at = self.due_at.next(now, self.period);
-        match self.lengths {
-            Lengths::NoneOrOne | Lengths::None => Some(Frame::empty(self.id)),
-            Lengths::Counter { overflow } => {
-                self.counter = if self.counter < overflow { self.counter + 1 } else { 1 };
-                Some(Frame::single(self.id, self.counter))
-            }
+        self.due_at = self.due_at.next(now, microseconds(self.period_us));
+        if self.overflow == 0 {
+            return Some(Frame::empty(self.id));
         }
+        self.counter = if self.counter < self.overflow { self.counter + 1 } else { 1 };
+        Some(Frame::single(self.id, self.counter))
     }
+}
+
+fn microseconds(number: u32) -> Duration {
+    Duration::from_micros(u64::from(number))
 }
 
 /// Whether a client may write `raw` to one of the objects of SYNC, which its row permits (CiA 301,
@@ -202,7 +193,7 @@ pub(crate) fn check<const LEN: usize>(
     match object.index {
         COB_ID => {
             let (before, after) =
-                (CobId::from_raw(value(COB_ID).unwrap_or(0)), CobId::from_raw(raw));
+                (CobId::from_raw(number(values, COB_ID, 0)), CobId::from_raw(raw));
             let is_able = !after.generates() || value(PERIOD).is_some();
             let stays =
                 !(before.generates() && after.generates()) || before.can_id() == after.can_id();

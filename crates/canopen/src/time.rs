@@ -2,7 +2,7 @@ use object_dictionary::Values;
 
 use crate::cob_id::CobId;
 use crate::frame::{CanId, Frame};
-use crate::parameter::parameter;
+use crate::parameter::number;
 
 /// The object with the identifier of TIME.
 pub(crate) const COB_ID: u16 = 0x1012;
@@ -19,7 +19,7 @@ pub struct TimeOfDay {
 /// The identifier that a TIME consumer listens to (CiA 301, section 7.2.6; object 0x1012): none
 /// unless bit 31 is set.
 pub(crate) fn consumed<const LEN: usize>(values: &Values<LEN>) -> CanId {
-    CobId::from_raw(parameter(values, COB_ID, 0).unwrap_or(0)).consumed()
+    CobId::from_raw(number(values, COB_ID, 0)).consumed()
 }
 
 impl TimeOfDay {

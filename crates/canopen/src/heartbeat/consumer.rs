@@ -4,7 +4,7 @@ use units::{Duration, Instant};
 use crate::cob_id::{NodeId, Service};
 use crate::deadline::Deadline;
 use crate::frame::CanId;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 
 /// Producers that a device can monitor. Further entries of 0x1016 are not acted on.
 pub(crate) const CONSUMERS_MAX: usize = 8;
@@ -18,7 +18,7 @@ pub(crate) const CONSUMER_TIME: u16 = 0x1016;
 /// that was lost is not monitored until it is heard again. Writing an entry starts it anew.
 #[derive(Debug)]
 pub(crate) struct Consumers {
-    entries: [Option<Consumer>; CONSUMERS_MAX],
+    entries: [Consumer; CONSUMERS_MAX],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -26,15 +26,9 @@ struct Consumer {
     /// Only while the producer is alive.
     expires_at: Deadline,
     time_ms: u16,
-    producer: NodeId,
-    health: Health,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Health {
-    Unknown,
-    Alive,
-    Lost,
+    /// `None` for an entry that is not used.
+    producer: Option<NodeId>,
+    is_lost: bool,
 }
 
 /// What a heartbeat changed.
@@ -47,60 +41,70 @@ pub(crate) enum Heard {
 impl Consumers {
     /// Nothing is monitored.
     pub(crate) const fn off() -> Self {
-        Self { entries: [None; CONSUMERS_MAX] }
+        Self { entries: [Consumer::new(None, 0); CONSUMERS_MAX] }
     }
 
     /// Takes an entry over. Whether another producer is listened to.
     pub(crate) fn reread<const LEN: usize>(&mut self, sub: u8, values: &Values<LEN>) -> bool {
         let place = usize::from(sub).checked_sub(1);
         let Some(entry) = place.and_then(|place| self.entries.get_mut(place)) else { return false };
-        let before = core::mem::replace(entry, consumer(values, sub));
-        before.map(|consumer| consumer.producer) != entry.map(|consumer| consumer.producer)
+        let (producer, time_ms) = match monitored(number(values, CONSUMER_TIME, sub)) {
+            Some((producer, time_ms)) => (Some(producer), time_ms),
+            None => (None, 0),
+        };
+        core::mem::replace(entry, Consumer::new(producer, time_ms)).producer != producer
     }
 
     /// The identifiers of the producers.
     pub(crate) fn ids(&self) -> impl Iterator<Item = CanId> {
-        self.entries.iter().flatten().map(|entry| Service::ErrorControl.id(entry.producer))
+        let producers = self.entries.iter().filter_map(|entry| entry.producer);
+        producers.map(|producer| Service::ErrorControl.id(producer))
     }
 
     /// Takes a message with an identifier of the error control.
     pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Heard {
-        let heard = |entry: &&mut Consumer| Service::ErrorControl.id(entry.producer) == id;
-        let Some(consumer) = self.entries.iter_mut().flatten().find(heard) else {
-            return Heard::Nothing;
-        };
-        consumer.expires_at =
-            Deadline::after(now, Duration::from_millis(u64::from(consumer.time_ms)));
-        match core::mem::replace(&mut consumer.health, Health::Alive) {
-            Health::Lost => Heard::Recovered(consumer.producer),
-            Health::Unknown | Health::Alive => Heard::Nothing,
+        let is_of = |producer| Service::ErrorControl.id(producer) == id;
+        for consumer in &mut self.entries {
+            if let Some(producer) = consumer.producer.filter(|&producer| is_of(producer)) {
+                let time = Duration::from_millis(u64::from(consumer.time_ms));
+                consumer.expires_at = Deadline::after(now, time);
+                if core::mem::take(&mut consumer.is_lost) {
+                    return Heard::Recovered(producer);
+                }
+            }
         }
+        Heard::Nothing
     }
 
     /// When the next producer counts as lost.
     pub(crate) fn due_at(&self) -> Deadline {
-        let expiries = self.entries.iter().flatten().map(|consumer| consumer.expires_at);
+        let expiries = self.entries.iter().map(|consumer| consumer.expires_at);
         expiries.fold(Deadline::NEVER, Deadline::min)
     }
 
     /// A producer that is lost from now on.
     pub(crate) fn take_due(&mut self, now: Instant) -> Option<NodeId> {
-        let mut consumers = self.entries.iter_mut().flatten();
-        let consumer = consumers.find(|consumer| consumer.expires_at.is_due(now))?;
-        (consumer.expires_at, consumer.health) = (Deadline::NEVER, Health::Lost);
-        Some(consumer.producer)
+        let consumer = self.entries.iter_mut().find(|consumer| consumer.expires_at.is_due(now))?;
+        (consumer.expires_at, consumer.is_lost) = (Deadline::NEVER, true);
+        consumer.producer
     }
 
     /// Whether a producer is lost.
     pub(crate) fn is_any_lost(&self) -> bool {
-        self.entries.iter().flatten().any(|consumer| consumer.health == Health::Lost)
+        self.entries.iter().any(|consumer| consumer.is_lost)
     }
 
     /// Monitors nothing until the next messages.
     pub(crate) fn stop(&mut self) {
-        for consumer in self.entries.iter_mut().flatten() {
-            (consumer.expires_at, consumer.health) = (Deadline::NEVER, Health::Unknown);
+        for consumer in &mut self.entries {
+            (consumer.expires_at, consumer.is_lost) = (Deadline::NEVER, false);
         }
+    }
+}
+
+impl Consumer {
+    const fn new(producer: Option<NodeId>, time_ms: u16) -> Self {
+        Self { expires_at: Deadline::NEVER, time_ms, producer, is_lost: false }
     }
 }
 
@@ -111,16 +115,11 @@ pub(crate) fn is_doubled<const LEN: usize>(
     values: &Values<LEN>,
 ) -> bool {
     let Some((producer, _)) = monitored(raw) else { return false };
-    let others = (1..=u8::MAX).filter(|&sub| sub != object.sub);
+    let others = (1..u8::MAX).filter(|&sub| sub != object.sub);
     object.index == CONSUMER_TIME
         && others
             .map_while(|sub| parameter(values, CONSUMER_TIME, sub))
             .any(|raw| monitored(raw).is_some_and(|(other, _)| other == producer))
-}
-
-fn consumer<const LEN: usize>(values: &Values<LEN>, sub: u8) -> Option<Consumer> {
-    let (producer, time_ms) = monitored(parameter(values, CONSUMER_TIME, sub)?)?;
-    Some(Consumer { expires_at: Deadline::NEVER, time_ms, producer, health: Health::Unknown })
 }
 
 /// Node-ID and milliseconds of an entry. `None` for an entry that is not used.
