@@ -47,6 +47,10 @@ pub trait Stack {
     /// What a device does that looks again and again whether time has brought anything.
     fn tick(&mut self, now_us: u64, bus: &impl Bus);
 
+    /// The question when to come back, which ends an operation. A stack that is looked after again and
+    /// again has none.
+    fn ask_when_due(&self) {}
+
     /// The value of output 0x6200:`sub`.
     fn output_32(&mut self, sub: u8) -> u32;
 

@@ -220,6 +220,7 @@ const NOW_US: u64 = 1_000;
 #[inline(never)]
 fn operate<S: Stack>(stack: &mut S, frame: &S::Frame, bus: &Memory) {
     stack.handle(NOW_US, frame, bus);
+    stack.ask_when_due();
 }
 
 /// The same for what happens without a frame.

@@ -48,15 +48,16 @@ impl<D: Application + Default> Stack for Spindle<D> {
         let now = Instant::from_micros(now_us);
         self.node.handle_frame(now, frame, &mut self.device);
         self.drain(now, bus);
-        core::hint::black_box(self.node.poll_timeout());
     }
 
     fn tick(&mut self, now_us: u64, bus: &impl Bus) {
         let now = Instant::from_micros(now_us);
-        if self.node.poll_timeout().is_some_and(|due_at| due_at <= now) {
-            self.node.handle_timeout(now, &mut self.device);
-        }
+        self.node.handle_timeout(now, &mut self.device);
         self.drain(now, bus);
+    }
+
+    fn ask_when_due(&self) {
+        core::hint::black_box(self.node.poll_timeout());
     }
 
     fn output_32(&mut self, sub: u8) -> u32 {

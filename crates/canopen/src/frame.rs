@@ -80,16 +80,10 @@ impl Frame {
     #[inline]
     pub const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
         let [a, b, c, d, e, f, g, h] = data;
-        let (low, high) = match len {
-            0 => (0, 0),
-            1..=4 => (u32::from_le_bytes([a, b, c, d]) & u32::MAX >> (32 - 8 * len), 0),
-            5..=7 => (
-                u32::from_le_bytes([a, b, c, d]),
-                u32::from_le_bytes([e, f, g, h]) & u32::MAX >> (64 - 8 * len),
-            ),
-            8.. => return Self::full(id, data),
-        };
+        let low = u32::from_le_bytes([a, b, c, d]) & lowest_bytes(len);
+        let high = u32::from_le_bytes([e, f, g, h]) & lowest_bytes(len.saturating_sub(4));
         let ([a, b, c, d], [e, f, g, h]) = (low.to_le_bytes(), high.to_le_bytes());
+        let len = if len < 8 { len } else { 8 };
         Self { id, remote: false, len, data: [a, b, c, d, e, f, g, h] }
     }
 
@@ -133,6 +127,11 @@ impl Frame {
     pub fn data(&self) -> &[u8] {
         if self.remote { &[] } else { self.data.get(..usize::from(self.len)).unwrap_or(&[]) }
     }
+}
+
+/// The bits of the lowest `count` bytes; of all four if there are not so many.
+const fn lowest_bytes(count: u8) -> u32 {
+    if count < 4 { !(u32::MAX << (8 * count)) } else { u32::MAX }
 }
 
 #[cfg(test)]

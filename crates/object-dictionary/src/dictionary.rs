@@ -82,24 +82,18 @@ impl Dictionary {
         let place = hash(id.index, self.multiplier, self.firsts.len());
         let first = self.firsts.get(place).copied().unwrap_or(VACANT);
         match self.rows.get(usize::from(first)) {
-            Some(row) if row.index == id.index => {
-                let slot = Slot(first + u16::from(id.sub));
-                match self.row(slot) {
-                    Some(row) if row.id() == id => Ok(slot),
-                    Some(_) | None => self.search(first, id),
-                }
-            }
-            Some(_) | None => Err(Missing::Object),
+            Some(row) if row.index == id.index => {}
+            Some(_) | None => return Err(Missing::Object),
         }
-    }
-
-    /// The place of an entry whose sub-index does not say it, since others are left out before it.
-    #[cold]
-    fn search(&self, first: u16, id: ObjectId) -> Result<Slot, Missing> {
-        let rows = self.rows.get(usize::from(first)..).unwrap_or(&[]);
-        let entries = rows.iter().take_while(|row| row.index == id.index);
-        let found = (first..).zip(entries).find(|(_, row)| row.sub == id.sub);
-        found.map(|(position, _)| Slot(position)).ok_or(Missing::SubIndex)
+        // It lies before the place that its sub-index says by as many as are left out before it.
+        let mut ahead = id.sub;
+        loop {
+            let slot = Slot(first + u16::from(ahead));
+            if self.row(slot).is_some_and(|row| row.id() == id) {
+                return Ok(slot);
+            }
+            ahead = ahead.checked_sub(1).ok_or(Missing::SubIndex)?;
+        }
     }
 
     /// The place of an object that is known to be in this dictionary. For constants: panics when
