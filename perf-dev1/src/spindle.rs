@@ -32,7 +32,9 @@ impl<D: Application + Default> Stack for Spindle<D> {
     type Frame = Frame;
 
     fn new() -> Self {
-        Self { node: booted(Instant::ZERO), device: D::default() }
+        let mut stack = Self { node: dev1::node(), device: D::default() };
+        stack.start(Instant::ZERO);
+        stack
     }
 
     fn frame(id: u16, len: u8, data: [u8; 8]) -> Frame {
@@ -71,6 +73,19 @@ impl<D: Application + Default> Stack for Spindle<D> {
 }
 
 impl<D: Application + Default> Spindle<D> {
+    /// The inputs are there before the boot-up message.
+    fn start(&mut self, now: Instant) {
+        for (slot, row) in DICTIONARY.slots() {
+            let value = match row.id() {
+                ObjectId { index: 0x6000, sub: sub @ 1.. } => input_32(sub),
+                ObjectId { index: 0x6001, sub: sub @ 1.. } => input_8(sub).into(),
+                _ => continue,
+            };
+            self.node.set_value(now, slot, value);
+        }
+        self.node.boot(now);
+    }
+
     fn drain(&mut self, now: Instant, bus: &impl Bus) {
         while let Some(event) = self.node.poll_event() {
             self.follow(now, event);
@@ -89,7 +104,8 @@ impl<D: Application + Default> Spindle<D> {
     fn follow(&mut self, now: Instant, event: Event) {
         match event {
             Event::ResetNode | Event::ResetCommunication => {
-                self.node = booted(now);
+                self.node = dev1::node();
+                self.start(now);
             }
             Event::Store { .. } | Event::Restore { .. } => {
                 self.node.handle_stored(Err(WriteError::NotStored));
@@ -100,21 +116,6 @@ impl<D: Application + Default> Spindle<D> {
             _ => {}
         }
     }
-}
-
-/// The node of DEV1, whose inputs are there before its boot-up message.
-fn booted(now: Instant) -> Node<LEN> {
-    let mut node = dev1::node();
-    for (slot, row) in DICTIONARY.slots() {
-        let value = match row.id() {
-            ObjectId { index: 0x6000, sub: sub @ 1.. } => input_32(sub),
-            ObjectId { index: 0x6001, sub: sub @ 1.. } => input_8(sub).into(),
-            _ => continue,
-        };
-        node.set_value(now, slot, value);
-    }
-    node.boot(now);
-    node
 }
 
 fn slot(index: u16, sub: u8) -> Slot {

@@ -313,7 +313,7 @@ impl<const LEN: usize> Node<LEN> {
         if to.is_impaired() {
             self.update_error_register();
         }
-        self.say(self.settings.bus.message(from, to));
+        self.say(&self.settings.bus.message(from, to));
         if to == BusState::Off && self.settings.bus.off == BusOff::CommunicationError {
             self.react(ErrorClass::Communication);
         }
@@ -323,7 +323,7 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Frames were lost because they came faster than they were taken from the CAN controller.
     pub fn handle_overrun(&mut self) {
-        self.say(self.settings.bus.overrun);
+        self.say(&self.settings.bus.overrun);
     }
 
     /// Records an error in the pre-defined error field and sends an emergency message with the
@@ -453,7 +453,7 @@ impl<const LEN: usize> Node<LEN> {
         }
         self.has_news = false;
         let lost = self.outbox.take_overflow()?;
-        self.say(self.settings.bus.overflow);
+        self.say(&self.settings.bus.overflow);
         Some(Event::TransmitOverflow { lost })
     }
 
@@ -608,7 +608,7 @@ impl<const LEN: usize> Node<LEN> {
         let counter = match self.sync.receive(frame) {
             sync::Received::Sync { counter } => counter,
             sync::Received::UnexpectedLength => {
-                return self.say(self.settings.receive_errors.sync_length);
+                return self.say(&self.settings.receive_errors.sync_length);
             }
             sync::Received::Nothing => return,
         };
@@ -673,7 +673,7 @@ impl<const LEN: usize> Node<LEN> {
             return self.handle_rare(frame);
         };
         if let Some(fault) = outcome.fault {
-            self.say(fault.emergency(&self.settings.receive_errors));
+            self.say(&fault.emergency(&self.settings.receive_errors));
         }
         if outcome.goes_on {
             self.follow_values();
@@ -683,13 +683,13 @@ impl<const LEN: usize> Node<LEN> {
     fn report_overdue(&mut self) {
         while let Some(number) = self.rpdos.take_due(self.now) {
             self.report(Event::PdoOverdue { number });
-            self.say(self.settings.receive_errors.overdue);
+            self.say(&self.settings.receive_errors.overdue);
         }
     }
 
     #[inline(never)]
-    fn say(&mut self, emergency: Option<Emergency>) {
-        if let Some(Emergency { code, manufacturer }) = emergency {
+    fn say(&mut self, emergency: &Option<Emergency>) {
+        if let &Some(Emergency { code, manufacturer }) = emergency {
             self.send_emergency(code, manufacturer);
         }
     }
