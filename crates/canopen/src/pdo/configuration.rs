@@ -28,26 +28,31 @@ pub(crate) fn check<const LEN: usize>(
             check_mapping(values, object, raw)
         };
     }
-    let is_fixed = is_on && rules.changes == PdoChanges::WhileOff;
-    let is_possible = match (sub, Direction::of(index)) {
-        (1, _) => takes(rules.identifiers, CobId::from_raw(raw), is_fixed.then_some(present)),
-        (2, Direction::Receive) => Reception::new(raw) != Reception::Never,
-        (2, Direction::Transmit) => Transmission::is_known(raw),
-        (3, _) => !is_fixed,
-        (6, Direction::Transmit) => !is_fixed && raw <= 240,
-        _ => true,
+    let (is_known, is_fixed) = match (sub, Direction::of(index)) {
+        (1, _) => {
+            let cob_id = CobId::from_raw(raw);
+            let moves = cob_id.can_id() != present.can_id();
+            (takes(rules.identifiers, cob_id), moves && cob_id.valid().is_some())
+        }
+        (2, Direction::Receive) => (Reception::new(raw) != Reception::Never, false),
+        (2, Direction::Transmit) => (Transmission::is_known(raw), false),
+        (3, _) => (true, true),
+        (6, Direction::Transmit) => (raw <= 240, true),
+        _ => (true, false),
     };
-    if is_possible { Ok(()) } else { Err(AbortCode::VALUE_RANGE) }
+    if is_known && !(is_fixed && is_on && rules.changes == PdoChanges::WhileOff) {
+        Ok(())
+    } else {
+        Err(AbortCode::VALUE_RANGE)
+    }
 }
 
-/// Whether a PDO may have this COB-ID. One that is `fixed` keeps its identifier or is switched off.
-fn takes(identifiers: PdoIdentifiers, cob_id: CobId, fixed: Option<CobId>) -> bool {
-    let is_free = match identifiers {
+/// Whether a PDO may have this COB-ID.
+fn takes(identifiers: PdoIdentifiers, cob_id: CobId) -> bool {
+    match identifiers {
         PdoIdentifiers::Unrestricted => cob_id.suits_pdo(),
         PdoIdentifiers::Any => cob_id.has_eleven_bits(),
-    };
-    let stays = fixed.is_none_or(|present| present.can_id() == cob_id.can_id());
-    is_free && (stays || cob_id.valid().is_none())
+    }
 }
 
 /// Whether the mapping of a PDO that is switched off takes an entry, or the count of entries.
@@ -64,6 +69,6 @@ fn check_mapping<const LEN: usize>(
     } else if raw == 0 {
         Ok(())
     } else {
-        Field::new(raw, 0, values.dictionary(), Direction::of(index)).map(|_| ())
+        Field::new(index, raw, 0, values.dictionary()).map(|_| ())
     }
 }

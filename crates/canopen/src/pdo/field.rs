@@ -18,20 +18,25 @@ pub(super) struct Field {
 struct Width(u8);
 
 impl Field {
-    /// The field at the byte `at` for an entry of a mapping object: index, sub-index and length in
-    /// bits (CiA 301, section 7.5.2.36). An entry that a PDO of this direction cannot carry gives
-    /// the reason.
+    /// The field at the byte `at` for an entry of the mapping object with this index: index,
+    /// sub-index and length in bits (CiA 301, section 7.5.2.36). An entry that the PDO cannot carry
+    /// gives the reason.
     pub(super) fn new(
+        mapping: u16,
         entry: u32,
         at: u8,
         dictionary: &Dictionary,
-        direction: Direction,
     ) -> Result<Self, AbortCode> {
+        let direction = Direction::of(mapping);
         let [bits, sub, low, high] = entry.to_le_bytes();
         let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
-        let (slot, width) = match (dummy(object), direction) {
-            (Some(width), Direction::Receive) => (Slot::NOWHERE, width),
-            (Some(_) | None, _) => mappable(object, dictionary, direction)?,
+        let skipped = match direction {
+            Direction::Receive => dummy(object),
+            Direction::Transmit => None,
+        };
+        let (slot, width) = match skipped {
+            Some(width) => (Slot::NOWHERE, width),
+            None => mappable(object, dictionary, direction)?,
         };
         if bits == width.bits() {
             Ok(Self { slot, at, width })
@@ -110,13 +115,13 @@ fn mappable(
     dictionary: &Dictionary,
     direction: Direction,
 ) -> Result<(Slot, Width), AbortCode> {
-    let slot = dictionary.find(object).map_err(|_| AbortCode::NO_OBJECT)?;
+    let slot = dictionary.find(object).unwrap_or(Slot::NOWHERE);
     let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
     let one_way = match direction {
         Direction::Receive => PdoMapping::Receive,
         Direction::Transmit => PdoMapping::Transmit,
     };
-    let goes = [one_way, PdoMapping::Both].contains(&row.pdo());
+    let goes = row.pdo() == one_way || row.pdo() == PdoMapping::Both;
     let width = Width::of(row.data_type()).filter(|_| goes);
     width.map(|width| (slot, width)).ok_or(AbortCode::NOT_MAPPABLE)
 }

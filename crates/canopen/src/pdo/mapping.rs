@@ -1,7 +1,6 @@
 use heapless::Vec;
 use object_dictionary::{Dictionary, Slot, Values};
 
-use super::Direction;
 use super::field::Field;
 use super::slots::Slots;
 use crate::cob_id::CobId;
@@ -54,14 +53,13 @@ impl Mapping {
     ) -> Result<(), AbortCode> {
         *self = Self::default();
         let dictionary = values.dictionary();
-        let direction = Direction::of(index);
         if count > u32::from(MAPPED_MAX) {
             return Err(AbortCode::MAPPING_LENGTH);
         }
         let mut end = 0;
         for (sub, _) in (1..).zip(0..count) {
             let entry = parameter(values, index, sub).ok_or(AbortCode::MAPPING_LENGTH)?;
-            let field = Field::new(entry, end, dictionary, direction)?;
+            let field = Field::new(index, entry, end, dictionary)?;
             end = field.end();
             if end <= LEN_MAX && self.fields.push(field).is_ok() {
                 self.len = end;

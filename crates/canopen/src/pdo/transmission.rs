@@ -19,6 +19,7 @@ pub(super) enum Transmission {
 
 impl Transmission {
     /// The meaning of a transmission type in this product.
+    #[inline(never)]
     pub(super) fn new(transmission_type: u32, rules: &PdoRules) -> Self {
         match u8::try_from(transmission_type) {
             Ok(0) => Self::SyncAfterEvent,
