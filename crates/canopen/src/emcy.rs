@@ -69,15 +69,14 @@ impl Producer {
         }
     }
 
-    /// Records an error and takes the message for it. Comes back with the frame if no inhibit time
-    /// holds it.
+    /// Records an error and takes the message for it. It waits for [`Self::take_due`].
     pub(crate) fn raise<const LEN: usize>(
         &mut self,
         error_code: u16,
         manufacturer: [u8; 5],
         values: &mut Values<LEN>,
         settings: &Settings,
-    ) -> Option<Frame> {
+    ) {
         if error_code != ERROR_RESET {
             record(values, settings.additional_information.entry(error_code, manufacturer));
         }
@@ -85,18 +84,18 @@ impl Producer {
         let [a, b, c, d, e] = manufacturer;
         let register = number(values, ERROR_REGISTER, 0);
         let [register, ..] = register.to_le_bytes();
-        let data = [low, high, register, a, b, c, d, e];
         if self.id == CanId::NONE {
-            return None;
-        }
-        if self.inhibit_time == Duration::ZERO && self.waiting.is_empty() {
-            return Some(Frame::full(self.id, data));
+            return;
         }
         if self.waiting.is_full() {
             self.waiting.pop_front();
         }
-        let _ = self.waiting.push_back(data);
-        None
+        let _ = self.waiting.push_back([low, high, register, a, b, c, d, e]);
+    }
+
+    /// Whether messages never wait for each other.
+    pub(crate) fn is_uninhibited(&self) -> bool {
+        self.inhibit_time == Duration::ZERO
     }
 
     /// When the next waiting message may go.

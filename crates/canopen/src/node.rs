@@ -209,7 +209,7 @@ impl<const LEN: usize> Node<LEN> {
             .settings
             .lss
             .map(|settings| lss::Slave::new(settings, self.identity(), Some(self.node_id)));
-        self.outbox.push(self.boot_up());
+        self.send_error_control(State::Initialising.heartbeat_byte());
         self.heartbeat.start(now);
         self.enter(State::PreOperational);
         self.listen();
@@ -506,7 +506,7 @@ impl<const LEN: usize> Node<LEN> {
         let request = self.guarded.handle(self.now);
         let answer = self.guarded.answer(self.state.heartbeat_byte());
         self.wake_by(self.guarded.due_at());
-        self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), answer));
+        self.send_error_control(answer);
         match request {
             guarding::Request::Recovered => {
                 self.report(Event::GuardingRecovered);
@@ -778,12 +778,9 @@ impl<const LEN: usize> Node<LEN> {
             return;
         }
         let Self { values, settings, .. } = self;
-        let message = self.emergencies.raise(error_code, manufacturer, values, settings);
-        match (message, self.state) {
-            (Some(_), State::Initialising) | (None, _) => {}
-            (Some(frame), State::PreOperational | State::Operational | State::Stopped) => {
-                self.outbox.push_once(frame);
-            }
+        self.emergencies.raise(error_code, manufacturer, values, settings);
+        if self.emergencies.is_uninhibited() && self.state != State::Initialising {
+            self.send_due_emergencies();
         }
         self.wake_by(self.emergency_due_at());
     }
@@ -836,21 +833,25 @@ impl<const LEN: usize> Node<LEN> {
     /// none follows a boot-up message that still waits.
     fn send_heartbeat(&mut self) {
         if !self.outbox.holds_boot_up() {
-            let id = Service::ErrorControl.id(self.node_id);
-            self.outbox.supersede(Frame::single(id, self.state.heartbeat_byte()));
+            self.send_error_control(self.state.heartbeat_byte());
         }
     }
 
-    const fn boot_up(&self) -> Frame {
-        let id = Service::ErrorControl.id(self.node_id);
-        Frame::single(id, State::Initialising.heartbeat_byte())
+    #[inline(never)]
+    fn send_error_control(&mut self, byte: u8) {
+        self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), byte));
     }
 
     /// Messages that were held back go out in the states that have emergency messages.
     fn send_waiting_emergencies(&mut self) {
-        while self.state.serves_sdo()
-            && let Some(frame) = self.emergencies.take_due(self.now)
-        {
+        if self.state.serves_sdo() {
+            self.send_due_emergencies();
+        }
+    }
+
+    #[inline(never)]
+    fn send_due_emergencies(&mut self) {
+        while let Some(frame) = self.emergencies.take_due(self.now) {
             self.outbox.push_once(frame);
         }
     }
