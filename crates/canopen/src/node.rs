@@ -69,6 +69,9 @@ pub struct Node<const LEN: usize> {
     bus: BusState,
     /// The identifier of TIME, if it is consumed; else none.
     time: CanId,
+    /// What a master wrote last to an object of the communication, until it is followed: its answer
+    /// goes first.
+    configured: Option<Slot>,
     /// The time of the call that is served.
     now: Instant,
     /// Nothing is due before.
@@ -183,6 +186,7 @@ impl<const LEN: usize> Node<LEN> {
             time: CanId::NONE,
             emergencies: emcy::Producer::off(),
             sdo: sdo::Server::default(),
+            configured: None,
             lss: None,
             rpdos: Rpdos::default(),
             tpdos: Tpdos::default(),
@@ -220,7 +224,8 @@ impl<const LEN: usize> Node<LEN> {
         self.schedule();
     }
 
-    /// Takes a received frame in.
+    /// Takes a received frame in. What a master writes to an object of the communication is answered
+    /// first: then [`Self::handle_timeout`] is due at once, and acts on it before anything else does.
     #[inline]
     pub fn handle_frame(
         &mut self,
@@ -230,7 +235,11 @@ impl<const LEN: usize> Node<LEN> {
     ) {
         if self.screen.passes(frame.id()) {
             self.now = now;
-            self.dispatch(frame, application);
+            if self.configured.is_some() {
+                self.catch_up(frame, application);
+            } else {
+                self.dispatch(frame, application);
+            }
         }
     }
 
@@ -244,6 +253,7 @@ impl<const LEN: usize> Node<LEN> {
 
     #[inline(never)]
     fn serve_due(&mut self, application: &mut impl Application) {
+        self.follow_master();
         let now = self.now;
         self.sdo.handle_timeout(now, self.settings);
         self.answer();
@@ -364,6 +374,7 @@ impl<const LEN: usize> Node<LEN> {
     /// and to types that know no events.
     pub fn trigger_tpdo(&mut self, now: Instant, number: u16) {
         self.now = now;
+        self.follow_master();
         self.tpdos.trigger(number);
         self.follow_values();
     }
@@ -436,6 +447,7 @@ impl<const LEN: usize> Node<LEN> {
 impl<const LEN: usize> Node<LEN> {
     fn change_value(&mut self, slot: Slot, raw: u32) {
         if self.values.raw(slot) != raw {
+            self.follow_master();
             self.values.set_raw(slot, raw);
             self.note_change(slot);
         }
@@ -545,14 +557,14 @@ impl<const LEN: usize> Node<LEN> {
             self.schedule();
         }
         match effect {
-            Effect::None => return,
+            Effect::None => {}
             Effect::Changed(slot) => self.note_value(slot),
-            Effect::Configured(slot) => self.note_change(slot),
-            Effect::Store { sub } => return self.report(Event::Store { sub }),
-            Effect::Restore { sub } => return self.report(Event::Restore { sub }),
-        }
-        if self.wake_at.is_due(self.now) {
-            self.serve_due(application);
+            Effect::Configured(slot) => {
+                self.configured = Some(slot);
+                self.wake_at = Deadline::at(self.now);
+            }
+            Effect::Store { sub } => self.report(Event::Store { sub }),
+            Effect::Restore { sub } => self.report(Event::Restore { sub }),
         }
     }
 
@@ -822,6 +834,7 @@ impl<const LEN: usize> Node<LEN> {
         self.sync.stop();
         self.screen = Screen::CLOSED;
         self.wake_at = Deadline::NEVER;
+        self.configured = None;
         self.sdo.stop();
         self.rpdos.stop();
         self.tpdos.stop();
@@ -867,6 +880,21 @@ impl<const LEN: usize> Node<LEN> {
         match self.values.dictionary().row(slot) {
             Some(row) if row.id().index < 0x2000 => self.follow_parameter(row.id()),
             Some(_) | None => {}
+        }
+    }
+
+    /// Acts on what a master wrote, before the frame that came too early for it.
+    #[inline(never)]
+    fn catch_up(&mut self, frame: &Frame, application: &mut impl Application) {
+        self.follow_master();
+        self.handle_frame(self.now, frame, application);
+    }
+
+    /// Acts on what a master wrote, if that has not been done.
+    #[inline(never)]
+    fn follow_master(&mut self) {
+        if let Some(slot) = self.configured.take() {
+            self.note_change(slot);
         }
     }
 

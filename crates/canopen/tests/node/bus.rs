@@ -81,8 +81,8 @@ fn bus_off_is_a_communication_error() {
         0001 < 605 [8] 2F 29 10 01 02 00 00 00
         0001 > 585 [8] 60 29 10 01 00 00 00 00
         0001 < 605 [8] 23 16 10 01 64 00 06 00
-        0001 * FiltersChanged
         0001 > 585 [8] 60 16 10 01 00 00 00 00
+        0001 * FiltersChanged
         0002 < 000 [2] 01 00
         0002 * PreOperational to Operational
         0003 < 706 [1] 05

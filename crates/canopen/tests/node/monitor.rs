@@ -28,8 +28,8 @@ fn a_lost_heartbeat_is_one_event_and_the_next_one_ends_it() {
             0000 * Initialising to PreOperational
             0000 > 77F [1] 00
             0001 < 67F [8] 23 16 10 01 32 00 05 00
-            0001 * FiltersChanged
             0001 > 5FF [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
             1000 < 705 [1] 00
             1040 < 705 [1] 7F
             1089 < 705 [1] 05
@@ -76,8 +76,8 @@ fn writing_the_entry_starts_it_anew() {
             0000 * Initialising to PreOperational
             0000 > 77F [1] 00
             0001 < 67F [8] 23 16 10 01 32 00 05 00
-            0001 * FiltersChanged
             0001 > 5FF [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
             0002 < 705 [1] 05
             0030 < 67F [8] 23 16 10 01 32 00 05 00
             0030 > 5FF [8] 60 16 10 01 00 00 00 00
@@ -85,12 +85,12 @@ fn writing_the_entry_starts_it_anew() {
             0150 * HeartbeatLost { producer: NodeId(5) }
             0150 > 0FF [8] 30 81 11 00 00 00 00 00
             0200 < 67F [8] 23 16 10 01 32 00 05 00
-            0200 > 0FF [8] 00 00 00 00 00 00 00 00
             0200 > 5FF [8] 60 16 10 01 00 00 00 00
+            0200 > 0FF [8] 00 00 00 00 00 00 00 00
             0300 < 705 [1] 05
             0310 < 67F [8] 23 16 10 01 00 00 05 00
-            0310 * FiltersChanged
             0310 > 5FF [8] 60 16 10 01 00 00 00 00
+            0310 * FiltersChanged
         "#]],
     );
 }
@@ -116,15 +116,15 @@ fn entries_monitor_different_producers() {
             0000 * Initialising to PreOperational
             0000 > 77F [1] 00
             0001 < 67F [8] 23 16 10 01 32 00 05 00
-            0001 * FiltersChanged
             0001 > 5FF [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
             0002 < 67F [8] 23 16 10 02 64 00 05 00
             0002 > 5FF [8] 80 16 10 02 43 00 04 06
             0003 < 67F [8] 23 16 10 02 00 00 05 00
             0003 > 5FF [8] 60 16 10 02 00 00 00 00
             0004 < 67F [8] 23 16 10 02 64 00 06 00
-            0004 * FiltersChanged
             0004 > 5FF [8] 60 16 10 02 00 00 00 00
+            0004 * FiltersChanged
             0005 < 67F [8] 23 16 10 01 64 00 06 00
             0005 > 5FF [8] 80 16 10 01 43 00 04 06
             0006 < 67F [8] 23 16 10 01 1E 00 05 00
@@ -167,8 +167,8 @@ fn the_error_behaviour_says_what_follows_from_a_lost_heartbeat() {
             0000 * Initialising to PreOperational
             0000 > 77F [1] 00
             0001 < 67F [8] 23 16 10 01 0A 00 05 00
-            0001 * FiltersChanged
             0001 > 5FF [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
             0002 < 705 [1] 05
             0012 * HeartbeatLost { producer: NodeId(5) }
             0012 > 0FF [8] 30 81 11 00 00 00 00 00

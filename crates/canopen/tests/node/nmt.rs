@@ -205,8 +205,8 @@ fn a_new_sync_identifier_changes_the_filters() {
             0000 * Initialising to PreOperational
             0000 > 77F [1] 00
             0001 < 67F [8] 23 05 10 00 90 00 00 00
-            0001 * FiltersChanged
             0001 > 5FF [8] 60 05 10 00 00 00 00 00
+            0001 * FiltersChanged
             0002 < 67F [8] 23 05 10 00 90 00 00 80
             0002 > 5FF [8] 60 05 10 00 00 00 00 00
             0003 < 67F [8] 23 05 10 00 80 00 00 40

@@ -157,6 +157,10 @@ impl Script {
         let id = CanId::new(u16::from_str_radix(id, 16).expect("hexadecimal")).expect("11 bits");
         self.interface.handle_frame(self.now, &Frame::new(id, &bytes).expect("up to 8 bytes"));
         self.drain();
+        if self.interface.poll_timeout().is_some_and(|due_at| due_at <= self.now) {
+            self.interface.handle_timeout(self.now);
+            self.drain();
+        }
         self
     }
 

@@ -46,6 +46,10 @@ impl Script {
         let _ = writeln!(self.transcript, "> {text}");
         self.sensor.handle_frame(self.now, &Frame::new(id, &bytes).expect("at most 8 bytes"));
         self.settle();
+        if self.sensor.poll_timeout().is_some_and(|due_at| due_at <= self.now) {
+            self.sensor.handle_timeout(self.now);
+            self.settle();
+        }
         self
     }
 
