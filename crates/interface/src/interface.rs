@@ -25,6 +25,9 @@ pub(crate) use receive::Received;
 
 /// The boot-up message goes out without the application's values after this time.
 const BOOT_UP_AFTER: Duration = Duration::from_millis(500);
+/// A restart waits no longer for the application controller to acknowledge what masters wrote. A full
+/// queue takes half of it.
+const RESTART_WITHIN: Duration = Duration::from_millis(1_000);
 /// The pre-defined error field outlives a restart of the communication (NM17x EMCY-04).
 const ERROR_FIELD: u16 = 0x1003;
 /// Events that may wait for [`Interface::poll_event`]: one input makes at most two records with their
@@ -54,7 +57,8 @@ pub enum Event {
     Confirm(u8),
     /// Set the acceptance filters to what [`Interface::accepts`] says.
     FiltersChanged,
-    /// Restart the controller, behind everything that is to be saved.
+    /// Restart the controller, behind everything that is to be saved. What masters wrote before is
+    /// with the application controller, unless that took longer than a second.
     Restart,
 }
 
@@ -74,6 +78,8 @@ pub struct Interface {
     link: Link,
     /// Until when the boot-up message waits for the application's values.
     boot_up_by: Option<Instant>,
+    /// Until when a restart waits for what is being written.
+    restart_by: Option<Instant>,
     values_known: bool,
     conditions: Conditions,
     /// In 0x2100's numbers.
@@ -130,6 +136,7 @@ impl Interface {
             node: Node::new(product.dictionary, node_id, &SETTINGS),
             link: Link::new(now, hello, rows, node_id.get()),
             boot_up_by: Some(now + BOOT_UP_AFTER),
+            restart_by: None,
             values_known: false,
             conditions: Conditions::default(),
             bit_rate: 0,
@@ -223,7 +230,7 @@ impl Interface {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let switch_at = self.bit_timing.map(|timing| timing.due_at());
         let link_at = Some(self.link.poll_timeout());
-        let due = [link_at, self.node.poll_timeout(), self.boot_up_by, switch_at];
+        let due = [link_at, self.node.poll_timeout(), self.boot_up_by, self.restart_by, switch_at];
         due.into_iter().flatten().min()
     }
 
@@ -320,7 +327,7 @@ impl Interface {
                 canopen::Event::StateChanged { from, to } => self.follow_state(from, to),
                 canopen::Event::ResetNode => {
                     self.link.stop(Urgency::StateLowered);
-                    self.event(Event::Restart);
+                    self.restart_by = Some(now + RESTART_WITHIN);
                 }
                 canopen::Event::ResetCommunication => {
                     self.link.stop(Urgency::StateLowered);
@@ -354,6 +361,9 @@ impl Interface {
                 | canopen::Event::Time(_)
                 | canopen::Event::TransmitOverflow { .. } => {}
             }
+        }
+        if self.restart_by.take_if(|by| *by <= now || !self.link.has_writes()).is_some() {
+            self.event(Event::Restart);
         }
     }
 

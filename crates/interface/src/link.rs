@@ -251,6 +251,12 @@ impl Link {
             .any(|write| (write.index, write.sub) == (id.index, id.sub))
     }
 
+    /// Whether any write waits or is on its way.
+    #[must_use]
+    pub fn has_writes(&self) -> bool {
+        self.in_flight.is_some() || !self.writes.is_empty()
+    }
+
     /// Orders a stop. It goes out at once and again in every gap until it is acknowledged. Starts
     /// that still wait are dropped.
     pub fn stop(&mut self, urgency: Urgency) {

@@ -433,6 +433,22 @@ fn parameters_outlive_the_supply() {
     let _ = std::fs::remove_dir_all(state);
 }
 
+/// NM17x STORE-02, LINK-05, NMT-02: writes are confirmed faster than the link takes them; none is lost
+/// when a reset follows at once.
+#[test]
+fn a_reset_loses_nothing_that_was_confirmed() {
+    let mut scene = booted(&[]);
+    for length in 1..=30 {
+        let answer = scene.request(&format!("23 02 20 00 {length:02X} 00 00 00"));
+        assert_eq!(answer, "60 02 20 00 00 00 00 00");
+    }
+    scene.request("23 03 20 00 07 00 00 00");
+    scene.send("000#81 7F").run_ms(2_000);
+    assert!(scene.frames().contains(&"77F#00".to_owned()), "it restarts");
+    assert_eq!(scene.request("40 02 20 00 00 00 00 00"), "43 02 20 00 1E 00 00 00");
+    assert_eq!(scene.request("40 03 20 00 00 00 00 00"), "43 03 20 00 07 00 00 00");
+}
+
 /// NM17x OD-2015-5: the application controller restarts when it is told to, and it alone; the node
 /// stays on the bus.
 #[test]

@@ -45,6 +45,12 @@ impl Field {
         }
     }
 
+    /// The bytes of an entry that cannot be carried.
+    pub(super) const fn gap(entry: u32, at: u8) -> Self {
+        let [bits, ..] = entry.to_le_bytes();
+        Self { slot: Slot::NOWHERE, at, width: Width(32_u8.wrapping_sub(bits) % 32) }
+    }
+
     /// Where the next field begins.
     pub(super) const fn end(self) -> u8 {
         self.at + self.width.bits() / 8

@@ -37,14 +37,15 @@ pub struct Mapped<'a> {
 }
 
 impl Mapping {
-    /// Takes the mapping object with this index over, up to the first entry that does not fit.
+    /// Takes the mapping object with this index over, with gaps for entries that cannot be carried.
     pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
         let count = parameter(values, index, 0).unwrap_or(0);
         let _ = self.read(values, index, count);
     }
 
-    /// Takes the first `count` entries of the mapping object with this index, up to the first one
-    /// that does not fit, which is an error.
+    /// Takes the first `count` entries of the mapping object with this index. One that cannot be
+    /// carried is an error, and leaves its bytes 0: a product may share its PDOs with one that has
+    /// more objects.
     pub(super) fn read<const LEN: usize>(
         &mut self,
         values: &Values<LEN>,
@@ -56,10 +57,14 @@ impl Mapping {
         if count > u32::from(MAPPED_MAX) {
             return Err(AbortCode::MAPPING_LENGTH);
         }
-        let mut end = 0;
+        let (mut end, mut verdict) = (0, Ok(()));
         for (sub, _) in (1..).zip(0..count) {
-            let entry = parameter(values, index, sub).ok_or(AbortCode::MAPPING_LENGTH)?;
-            let field = Field::new(index, entry, end, dictionary)?;
+            let Some(entry) = parameter(values, index, sub) else {
+                return verdict.and(Err(AbortCode::MAPPING_LENGTH));
+            };
+            let field = Field::new(index, entry, end, dictionary);
+            verdict = verdict.and(field.map(|_| ()));
+            let field = field.unwrap_or(Field::gap(entry, end));
             end = field.end();
             if end <= LEN_MAX && self.fields.push(field).is_ok() {
                 self.len = end;
@@ -67,7 +72,7 @@ impl Mapping {
                 self.limited |= dictionary.row(field.slot).is_some_and(|row| !row.is_unlimited());
             }
         }
-        if end <= LEN_MAX { Ok(()) } else { Err(AbortCode::MAPPING_LENGTH) }
+        verdict.and(if end <= LEN_MAX { Ok(()) } else { Err(AbortCode::MAPPING_LENGTH) })
     }
 
     /// The identifier of a PDO with this mapping: none when it is switched off or carries nothing.

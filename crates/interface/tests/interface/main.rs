@@ -192,6 +192,46 @@ fn network_management() {
     "#]]);
 }
 
+/// NM17x STORE-02, LINK-05: what was confirmed to a master is with the application controller before
+/// this one restarts.
+#[test]
+fn a_restart_waits_for_what_was_written() {
+    let mut script = Script::booted();
+    script.send("67F#23 03 20 00 05 00 00 00").send("67F#23 02 20 00 07 00 00 00");
+    script.send("67F#23 04 20 00 09 00 00 00").send("000#81 7F");
+    script.send("67F#23 02 20 00 00 00 00 00").run(100);
+    script.expect(expect![[r#"
+        500   <-  67F#23 03 20 00 05 00 00 00
+        500   ->  5FF#60 03 20 00 00 00 00 00
+        500   <-  67F#23 02 20 00 07 00 00 00
+        500   ->  5FF#60 02 20 00 00 00 00 00
+        500   <-  67F#23 04 20 00 09 00 00 00
+        500   ->  5FF#60 04 20 00 00 00 00 00
+        500   <-  000#81 7F
+        500   MSP urgent StateLowered
+        500   <-  67F#23 02 20 00 00 00 00 00
+        510   MSP write 2003:0 = 5
+        520   MSP write 2002:0 = 7
+        530   MSP write 2004:0 = 9
+        540   do  Restart
+    "#]]);
+}
+
+/// NM17x LINK-03: what nobody acknowledges holds a restart up for a second.
+#[test]
+fn a_restart_waits_a_second_at_most() {
+    let mut script = Script::booted();
+    script.send("67F#23 03 20 00 05 00 00 00");
+    script.partner.connected = false;
+    script.send("000#81 7F").run(1_500);
+    script.expect(expect![[r#"
+        500   <-  67F#23 03 20 00 05 00 00 00
+        500   ->  5FF#60 03 20 00 00 00 00 00
+        500   <-  000#81 7F
+        1500  do  Restart
+    "#]]);
+}
+
 /// NM17x STORE-07, ADDR-02, OD-2101-1: node-ID and bit rate are saved at once and act after a restart.
 #[test]
 fn a_new_node_id_acts_after_a_restart() {
