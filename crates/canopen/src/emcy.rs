@@ -14,7 +14,7 @@ const WAITING_MAX: usize = 8;
 /// One step of 0x1015.
 const INHIBIT_UNIT: Duration = Duration::from_micros(100);
 
-pub(crate) const COB_ID: u16 = 0x1014;
+const COB_ID: u16 = 0x1014;
 const INHIBIT_TIME: u16 = 0x1015;
 const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
@@ -35,35 +35,30 @@ pub(crate) const PARTNER_LOST: u16 = 0x8130;
 pub(crate) struct Producer {
     /// None while it is switched off.
     id: CanId,
-    inhibit_time: Duration,
+    /// In steps of 100 µs.
+    inhibit_time: u32,
     inhibited_until: Instant,
     waiting: Deque<[u8; 8], WAITING_MAX>,
 }
 
 impl Producer {
-    /// One that is switched off.
-    pub(crate) const fn off() -> Self {
+    /// As in a product without its objects.
+    pub(crate) const fn new(node_id: NodeId) -> Self {
         Self {
-            id: CanId::NONE,
-            inhibit_time: Duration::ZERO,
+            id: Service::Emergency.id(node_id),
+            inhibit_time: 0,
             inhibited_until: Instant::ZERO,
             waiting: Deque::new(),
         }
     }
 
     /// Takes 0x1014 and 0x1015 over. A producer that is switched off forgets what waits.
-    pub(crate) fn reread<const LEN: usize>(
-        &mut self,
-        now: Instant,
-        node_id: NodeId,
-        values: &Values<LEN>,
-    ) {
-        self.id = match parameter(values, COB_ID, 0) {
-            Some(raw) => CobId::from_raw(raw).valid().unwrap_or(CanId::NONE),
-            None => Service::Emergency.id(node_id),
-        };
-        self.inhibit_time = INHIBIT_UNIT * u64::from(number(values, INHIBIT_TIME, 0));
-        self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
+    pub(crate) fn reread<const LEN: usize>(&mut self, now: Instant, values: &Values<LEN>) {
+        if let Some(raw) = parameter(values, COB_ID, 0) {
+            self.id = CobId::from_raw(raw).valid().unwrap_or(CanId::NONE);
+        }
+        self.inhibit_time = number(values, INHIBIT_TIME, 0);
+        self.inhibited_until = self.inhibited_until.min(self.inhibited_from(now));
         if self.id == CanId::NONE {
             self.waiting.clear();
         }
@@ -95,7 +90,12 @@ impl Producer {
 
     /// Whether messages never wait for each other.
     pub(crate) fn is_uninhibited(&self) -> bool {
-        self.inhibit_time == Duration::ZERO
+        self.inhibit_time == 0
+    }
+
+    /// When the next message may go after one at `now`.
+    fn inhibited_from(&self, now: Instant) -> Instant {
+        now + INHIBIT_UNIT * u64::from(self.inhibit_time)
     }
 
     /// When the next waiting message may go.
@@ -108,7 +108,7 @@ impl Producer {
         if !self.due_at().is_due(now) {
             return None;
         }
-        self.inhibited_until = now + self.inhibit_time;
+        self.inhibited_until = self.inhibited_from(now);
         self.waiting.pop_front().map(|data| Frame::full(self.id, data))
     }
 }

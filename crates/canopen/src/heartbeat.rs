@@ -12,24 +12,25 @@ use crate::deadline::Deadline;
 /// exact distances however late they are served, so the period does not drift.
 #[derive(Debug)]
 pub(crate) struct Producer {
-    period: Duration,
+    /// In milliseconds; 0 while it is switched off.
+    period_ms: u32,
     due_at: Deadline,
 }
 
 impl Producer {
     /// One that is switched off.
     pub(crate) const fn off() -> Self {
-        Self { period: Duration::ZERO, due_at: Deadline::NEVER }
+        Self { period_ms: 0, due_at: Deadline::NEVER }
     }
 
     /// Takes the value of 0x1017 over, 0 to 65535 ms; 0 switches off.
     pub(crate) fn set_period_ms(&mut self, period_ms: u32) {
-        self.period = Duration::from_millis(u64::from(period_ms));
+        self.period_ms = period_ms;
     }
 
     /// Counts from the boot-up message.
     pub(crate) fn start(&mut self, now: Instant) {
-        self.due_at = Deadline::after(now, self.period);
+        self.due_at = Deadline::after(now, self.period());
     }
 
     /// Counts from now on, beginning with a heartbeat.
@@ -50,14 +51,18 @@ impl Producer {
     pub(crate) fn take_due(&mut self, now: Instant) -> bool {
         let due = self.due_at.is_due(now);
         if due {
-            self.due_at = self.due_at.next(now, self.period);
+            self.due_at = self.due_at.next(now, self.period());
         }
         due
     }
 
     /// Whether the period is not 0.
     pub(crate) fn is_on(&self) -> bool {
-        self.period > Duration::ZERO
+        self.period_ms > 0
+    }
+
+    fn period(&self) -> Duration {
+        Duration::from_millis(u64::from(self.period_ms))
     }
 }
 

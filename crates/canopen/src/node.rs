@@ -15,7 +15,7 @@ use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
 use crate::parameter::{number, parameter};
-use crate::pdo::{self, PDO_MAX, Rpdos, Target, Tpdos};
+use crate::pdo::{PDO_MAX, Rpdos, Target, Tpdos};
 use crate::sdo::{self, Effect, Objects};
 use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
 use crate::sync::{self, Sync};
@@ -184,7 +184,7 @@ impl<const LEN: usize> Node<LEN> {
             bus: BusState::Active,
             sync: Sync::off(),
             time: CanId::NONE,
-            emergencies: emcy::Producer::off(),
+            emergencies: emcy::Producer::new(node_id),
             sdo: sdo::Server::default(),
             configured: None,
             lss: None,
@@ -906,19 +906,13 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// Takes all values over that services follow.
+    /// Takes all values over that services follow, as if they had been written. A service reads all
+    /// of its objects at once, and so do PDOs; only monitored producers have an entry each.
     fn configure(&mut self) {
-        for sub in (1..).take(CONSUMERS_MAX) {
-            self.monitored.reread(sub, &self.values);
-        }
-        for index in
-            [sync::COB_ID, time::COB_ID, guarding::GUARD_TIME, HEARTBEAT_TIME, emcy::COB_ID]
-        {
-            self.follow_parameter(ObjectId { index, sub: 0 });
-        }
-        for (receive, transmit) in (pdo::RECEIVE..).zip(pdo::TRANSMIT..).take(PDO_MAX) {
-            self.reread_rpdo(receive);
-            self.reread_tpdo(transmit);
+        for (slot, row) in self.values.dictionary().slots() {
+            if row.id().sub <= 1 || row.id().index == heartbeat::CONSUMER_TIME {
+                self.note_change(slot);
+            }
         }
         (self.has_news, self.filters_changed) = (false, false);
     }
@@ -954,7 +948,7 @@ impl<const LEN: usize> Node<LEN> {
                 }
                 self.update_error_register();
             }
-            0x1014 | 0x1015 => self.emergencies.reread(self.now, self.node_id, &self.values),
+            0x1014 | 0x1015 => self.emergencies.reread(self.now, &self.values),
             index @ 0x1400..=0x17FF => self.reread_rpdo(index),
             index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
             _ => {}
