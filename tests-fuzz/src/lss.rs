@@ -3,8 +3,8 @@
 mod model;
 
 use canopen::lss::{
-    Addressing, BitRate, Event, Identification, Identity, Reaction, RequestLength, Selection,
-    Settings, Slave, StoreError, Unconfigured,
+    Addressing, BitRate, Event, Identification, Identity, Reaction, RequestLength, Selected,
+    Selection, Settings, Slave, StoreError, Unconfigured,
 };
 use canopen::{CanId, Frame, NodeId};
 
@@ -22,6 +22,7 @@ const IDENTITY: Identity =
 static NM17X: Settings = Settings {
     request_length: RequestLength::AsNeeded,
     selection: Selection::WhileWaitingOrConfiguring,
+    selected: Selected::Confirmed,
     addressing: Addressing::ConfiguredOrOffered,
     identification: Identification::Ignored,
     unconfigured: Unconfigured::OutOfRange,

@@ -22,7 +22,9 @@ mod settings;
 mod slave;
 
 pub use bit_rate::BitRate;
-pub use settings::{Addressing, Identification, RequestLength, Selection, Settings, Unconfigured};
+pub use settings::{
+    Addressing, Identification, RequestLength, Selected, Selection, Settings, Unconfigured,
+};
 pub use slave::{Event, Identity, Reaction, Slave, StoreError};
 
 pub(crate) use slave::{REQUEST, RESPONSE};

@@ -1,7 +1,7 @@
 //! The ways of the NM17x on the bus.
 
 use canopen::lss::{
-    self, Addressing, BitRate, Identification, RequestLength, Selection, Unconfigured,
+    self, Addressing, BitRate, Identification, RequestLength, Selected, Selection, Unconfigured,
 };
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, Emergency, ErrorBehaviour,
@@ -53,6 +53,7 @@ pub(crate) static SETTINGS: Settings = Settings {
 static LAYER_SETTINGS: lss::Settings = lss::Settings {
     request_length: RequestLength::AsNeeded,
     selection: Selection::WhileWaitingOrConfiguring,
+    selected: Selected::Confirmed,
     addressing: Addressing::ConfiguredOrOffered,
     identification: Identification::Ignored,
     unconfigured: Unconfigured::OutOfRange,

@@ -1,6 +1,6 @@
 //! The encoders: what their objects have to do with each other.
 
-use canopen::lss::{self, BitRate, Unconfigured};
+use canopen::lss::{self, BitRate, Selected, Unconfigured};
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, ErrorBehaviour, Expedited,
     PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, Trigger,
@@ -58,8 +58,11 @@ pub(crate) static SETTINGS: Settings = Settings {
 };
 
 /// Encoder EN-LSS-01 to EN-LSS-10, B-39.
-static LAYER_SETTINGS: lss::Settings =
-    lss::Settings { unconfigured: Unconfigured::OutOfRange, ..lss::Settings::CIA_305 };
+static LAYER_SETTINGS: lss::Settings = lss::Settings {
+    selected: Selected::Mode,
+    unconfigured: Unconfigured::OutOfRange,
+    ..lss::Settings::CIA_305
+};
 
 /// Bit of [`OPERATING_PARAMETERS`]: values rise when the shaft turns left.
 const LEFT: u16 = 1 << 0;

@@ -7,6 +7,8 @@ pub struct Settings {
     pub request_length: RequestLength,
     /// In which states a switch selective counts.
     pub selection: Selection,
+    /// What a device says that was selected.
+    pub selected: Selected,
     /// Whether all devices of the vendor can be told to show offers.
     pub addressing: Addressing,
     /// Whether the identify services and fastscan are answered.
@@ -34,6 +36,15 @@ pub enum Selection {
     /// In waiting and in configuration: a device that is not meant returns to waiting, so that a
     /// selection after a global switch leaves one device in configuration.
     WhileWaitingOrConfiguring,
+}
+
+/// What a device says that was selected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selected {
+    /// That it was.
+    Confirmed,
+    /// The number of its mode as well, 1 for configuration.
+    Mode,
 }
 
 /// Whether all devices of the vendor can be told to show offers.
@@ -69,6 +80,7 @@ impl Settings {
     pub const CIA_305: Self = Self {
         request_length: RequestLength::Eight,
         selection: Selection::WhileWaiting,
+        selected: Selected::Confirmed,
         addressing: Addressing::Configured,
         identification: Identification::Answered,
         unconfigured: Unconfigured::Permitted,

@@ -4,7 +4,7 @@ use units::Duration;
 
 use super::bit_rate::BitRate;
 use super::settings::{
-    Addressing, Identification, RequestLength, Selection, Settings, Unconfigured,
+    Addressing, Identification, RequestLength, Selected, Selection, Settings, Unconfigured,
 };
 use crate::cob_id::NodeId;
 use crate::frame::{CanId, Frame};
@@ -303,7 +303,7 @@ impl Slave {
         let (own, open) = (mem::take(&mut self.own), mem::take(&mut self.open));
         if own == Parts::ALL {
             self.state = State::Configuration;
-            respond(SELECTED, 0)
+            respond(SELECTED, u32::from(self.settings.selected == Selected::Mode))
         } else if open == Parts::ALL && self.settings.addressing == Addressing::ConfiguredOrOffered
         {
             self.state = State::Addressing { offer: None };

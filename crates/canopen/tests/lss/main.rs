@@ -11,8 +11,8 @@ mod network;
 mod nm17x;
 
 use canopen::lss::{
-    Addressing, BitRate, Event, Identification, Identity, Reaction, RequestLength, Selection,
-    Settings, Slave, Unconfigured,
+    Addressing, BitRate, Event, Identification, Identity, Reaction, RequestLength, Selected,
+    Selection, Settings, Slave, Unconfigured,
 };
 use canopen::{CanId, Frame, NodeId};
 
@@ -20,6 +20,7 @@ use canopen::{CanId, Frame, NodeId};
 static NM17X: Settings = Settings {
     request_length: RequestLength::AsNeeded,
     selection: Selection::WhileWaitingOrConfiguring,
+    selected: Selected::Confirmed,
     addressing: Addressing::ConfiguredOrOffered,
     identification: Identification::Ignored,
     unconfigured: Unconfigured::OutOfRange,

@@ -232,7 +232,7 @@ fn saved_on_command() {
     );
 }
 
-/// Encoder EN-LSS-01, EN-LSS-02, EN-LSS-04 to EN-LSS-08, B-34, B-39: in Stopped alone; a device is selected, gets node-ID
+/// Encoder EN-LSS-01 to EN-LSS-08, B-34, B-39: in Stopped alone; a device is selected, gets node-ID
 /// and bit rate, stores them and has them after the next start.
 #[test]
 fn layer_settings() {
@@ -268,7 +268,7 @@ fn layer_settings() {
         > 7E5#41 0A 00 00 00 00 00 00
         > 7E5#42 01 00 09 01 00 00 00
         > 7E5#43 07 00 00 00 00 00 00
-        < 7E4#44 00 00 00 00 00 00 00
+        < 7E4#44 01 00 00 00 00 00 00
         > 7E5#5A 00 00 00 00 00 00 00
         < 7E4#5A EC 00 00 00 00 00 00
         > 7E5#5D 00 00 00 00 00 00 00
