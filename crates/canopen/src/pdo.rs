@@ -1,5 +1,6 @@
 mod communication;
 mod configuration;
+mod entry;
 mod field;
 mod mapping;
 mod rpdo;

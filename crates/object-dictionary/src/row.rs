@@ -214,7 +214,9 @@ impl DataType {
         if self.is_signed() { widened ^ 1 << 31 } else { widened }
     }
 
-    const fn is_signed(self) -> bool {
+    /// Whether values of the type are numbers that may be negative.
+    #[must_use]
+    pub const fn is_signed(self) -> bool {
         matches!(self, Self::Integer8 | Self::Integer16 | Self::Integer32)
     }
 

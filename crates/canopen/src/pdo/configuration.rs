@@ -1,6 +1,6 @@
 use object_dictionary::{ObjectId, Values};
 
-use super::field::Field;
+use super::entry::Entry;
 use super::mapping::Mapping;
 use super::rpdo::Reception;
 use super::transmission::Transmission;
@@ -69,6 +69,6 @@ fn check_mapping<const LEN: usize>(
     } else if raw == 0 {
         Ok(())
     } else {
-        Field::new(index, raw, 0, values.dictionary()).map(|_| ())
+        Entry::from_raw(raw).check(values.dictionary(), index)
     }
 }

@@ -1,13 +1,12 @@
-use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Slot};
+use object_dictionary::{Dictionary, Slot};
 
-use super::Direction;
+use super::entry::Entry;
 use super::mapping::{Bytes, LEN_MAX};
-use crate::sdo::AbortCode;
 
-/// Where the bytes of one object lie in a PDO.
+/// Where the bytes of one object lie in a PDO. Those of an object that the product does not have are
+/// zero when sent and dropped when received.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
-    /// Nowhere for bytes that are skipped.
     pub(super) slot: Slot,
     pub(super) at: u8,
     width: Width,
@@ -18,42 +17,12 @@ pub(super) struct Field {
 struct Width(u8);
 
 impl Field {
-    /// The field at the byte `at` for an entry of the mapping object with this index: index,
-    /// sub-index and length in bits (CiA 301, section 7.5.2.36). An entry that the PDO cannot carry
-    /// gives the reason.
-    pub(super) fn new(
-        mapping: u16,
-        entry: u32,
-        at: u8,
-        dictionary: &Dictionary,
-    ) -> Result<Self, AbortCode> {
-        let direction = Direction::of(mapping);
-        let [bits, sub, low, high] = entry.to_le_bytes();
-        let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
-        let skipped = match direction {
-            Direction::Receive => dummy(object),
-            Direction::Transmit => None,
-        };
-        let (slot, width) = match skipped {
-            Some(width) => (Slot::NOWHERE, width),
-            None => mappable(object, dictionary, direction)?,
-        };
-        if bits == width.bits() {
-            Ok(Self { slot, at, width })
-        } else {
-            Err(AbortCode::NOT_MAPPABLE)
-        }
-    }
-
-    /// The bytes of an entry that cannot be carried.
-    pub(super) const fn gap(entry: u32, at: u8) -> Self {
-        let [bits, ..] = entry.to_le_bytes();
-        Self { slot: Slot::NOWHERE, at, width: Width(32_u8.wrapping_sub(bits) % 32) }
-    }
-
-    /// Where the next field begins.
-    pub(super) const fn end(self) -> u8 {
-        self.at + self.width.bits() / 8
+    /// The field of an entry at the byte `at`.
+    pub(super) fn new(entry: Entry, at: u8, dictionary: &Dictionary) -> Self {
+        let slot = dictionary.find(entry.object).unwrap_or(Slot::NOWHERE);
+        let is_signed = dictionary.row(slot).is_some_and(|row| row.data_type().is_signed());
+        let sign = if is_signed { Width::SIGNED } else { 0 };
+        Self { slot, at, width: Width(sign | 32_u8.saturating_sub(entry.bits)) }
     }
 
     /// The number in the bytes of a PDO.
@@ -65,31 +34,6 @@ impl Field {
 
 impl Width {
     const SIGNED: u8 = 1 << 7;
-
-    const fn unsigned(bits: u8) -> Self {
-        Self(32 - bits)
-    }
-
-    const fn signed(bits: u8) -> Self {
-        Self(Self::SIGNED | (32 - bits))
-    }
-
-    /// `None` for texts, which no PDO carries.
-    const fn of(data_type: DataType) -> Option<Self> {
-        match data_type {
-            DataType::Unsigned8 => Some(Self::unsigned(8)),
-            DataType::Unsigned16 => Some(Self::unsigned(16)),
-            DataType::Unsigned32 => Some(Self::unsigned(32)),
-            DataType::Integer8 => Some(Self::signed(8)),
-            DataType::Integer16 => Some(Self::signed(16)),
-            DataType::Integer32 => Some(Self::signed(32)),
-            DataType::VisibleString(_) => None,
-        }
-    }
-
-    const fn bits(self) -> u8 {
-        32 - self.spare_bits()
-    }
 
     const fn spare_bits(self) -> u8 {
         self.0 % 32
@@ -104,30 +48,4 @@ impl Width {
             (shifted.cast_signed() >> self.spare_bits()).cast_unsigned()
         }
     }
-}
-
-/// The width of a data type that stands for bytes to be skipped (CiA 301, section 7.4.7.1).
-const fn dummy(object: ObjectId) -> Option<Width> {
-    match (object.index, object.sub) {
-        (0x0002 | 0x0005, 0) => Some(Width::unsigned(8)),
-        (0x0003 | 0x0006, 0) => Some(Width::unsigned(16)),
-        (0x0004 | 0x0007, 0) => Some(Width::unsigned(32)),
-        _ => None,
-    }
-}
-
-fn mappable(
-    object: ObjectId,
-    dictionary: &Dictionary,
-    direction: Direction,
-) -> Result<(Slot, Width), AbortCode> {
-    let slot = dictionary.find(object).unwrap_or(Slot::NOWHERE);
-    let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
-    let one_way = match direction {
-        Direction::Receive => PdoMapping::Receive,
-        Direction::Transmit => PdoMapping::Transmit,
-    };
-    let goes = row.pdo() == one_way || row.pdo() == PdoMapping::Both;
-    let width = Width::of(row.data_type()).filter(|_| goes);
-    width.map(|width| (slot, width)).ok_or(AbortCode::NOT_MAPPABLE)
 }

@@ -1,6 +1,7 @@
 use heapless::Vec;
 use object_dictionary::{Dictionary, Slot, Values};
 
+use super::entry::Entry;
 use super::field::Field;
 use super::slots::Slots;
 use crate::cob_id::CobId;
@@ -37,15 +38,15 @@ pub struct Mapped<'a> {
 }
 
 impl Mapping {
-    /// Takes the mapping object with this index over, with gaps for entries that cannot be carried.
+    /// Takes the mapping object with this index over. A product's own need not be one that a master
+    /// could write: it may share its PDOs with a product that has more objects.
     pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
         let count = parameter(values, index, 0).unwrap_or(0);
         let _ = self.read(values, index, count);
     }
 
-    /// Takes the first `count` entries of the mapping object with this index. One that cannot be
-    /// carried is an error, and leaves its bytes 0: a product may share its PDOs with one that has
-    /// more objects.
+    /// Takes the first `count` entries of the mapping object with this index, as far as they are
+    /// whole bytes and have room. Whether a master may have them mapped.
     pub(super) fn read<const LEN: usize>(
         &mut self,
         values: &Values<LEN>,
@@ -53,19 +54,19 @@ impl Mapping {
         count: u32,
     ) -> Result<(), AbortCode> {
         *self = Self::default();
-        let dictionary = values.dictionary();
         if count > u32::from(MAPPED_MAX) {
             return Err(AbortCode::MAPPING_LENGTH);
         }
+        let dictionary = values.dictionary();
         let (mut end, mut verdict) = (0, Ok(()));
         for (sub, _) in (1..).zip(0..count) {
-            let Some(entry) = parameter(values, index, sub) else {
+            let Some(entry) = parameter(values, index, sub).map(Entry::from_raw) else {
                 return verdict.and(Err(AbortCode::MAPPING_LENGTH));
             };
-            let field = Field::new(index, entry, end, dictionary);
-            verdict = verdict.and(field.map(|_| ()));
-            let field = field.unwrap_or(Field::gap(entry, end));
-            end = field.end();
+            verdict = verdict.and(entry.check(dictionary, index));
+            let Some(len) = entry.byte_len() else { return verdict };
+            let field = Field::new(entry, end, dictionary);
+            end += len;
             if end <= LEN_MAX && self.fields.push(field).is_ok() {
                 self.len = end;
                 self.slots = self.slots.join(Slots::of(field.slot));

@@ -160,8 +160,7 @@ const BROADCAST_DATA: Object<u32> = received(0x2500, 4, "Data");
 const SETPOINT: Object<i32> = received(0x2501, 1, "Setpoint").within(-99_999, 999_999);
 const CORRECTION: Object<i16> = received(0x2501, 2, "Correction");
 const CONTROL: Object<u16> = received(0x2501, 3, "Control");
-const SENT_CORRECTION: Object<i16> =
-    live(0x2501, 4, "Correction").read_write().mappable(PdoMapping::Both);
+const SENT_CORRECTION: Object<i16> = live(0x2501, 4, "Correction").read_write();
 const PRESET: Object<i32> = rw(0x6003, 0, "Preset").within(-99_999, 999_999);
 const POSITION: Object<i32> = live(0x6004, 0, "Position");
 

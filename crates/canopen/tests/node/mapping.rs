@@ -413,6 +413,33 @@ fn download(node: &mut Node<LEN>, command: u8, index: u16, sub: u8, raw: u32) ->
     }
 }
 
+/// NM17x: products share their PDOs. What one of them does not have is zero in its frames, and its
+/// numbers are dropped on reception.
+#[test]
+fn a_product_may_map_objects_that_it_does_not_have() {
+    let mut node = node(&Settings::CIA_301);
+    let mut set = |index, sub, raw| {
+        let slot = DICTIONARY.find(ObjectId { index, sub }).unwrap();
+        node.set_value(Instant::ZERO, slot, raw);
+    };
+    for (sub, raw) in [(0, 3), (1, 0x6000_0110), (2, 0x6000_0420), (3, 0x6000_0208)] {
+        set(0x1A00, sub, raw);
+    }
+    for (sub, raw) in [(0, 2), (1, 0x6200_0420), (2, 0x6200_0108)] {
+        set(0x1600, sub, raw);
+    }
+    set(0x1800, 2, 1);
+    set(0x6000, 1, 0xFFFF_FFFE);
+    set(0x6000, 2, 7);
+    node.boot(Instant::ZERO);
+    receive(&mut node, 0x000, &[0x01, 0]);
+    let sent = receive(&mut node, 0x080, &[]);
+    assert_eq!(sent[0].data(), [0xFE, 0xFF, 0, 0, 0, 0, 7]);
+    receive(&mut node, 0x205, &[1, 2, 3, 4, 5]);
+    let output = DICTIONARY.find(ObjectId { index: 0x6200, sub: 1 }).unwrap();
+    assert_eq!(node.values().raw(output), 5);
+}
+
 proptest! {
     /// Conformance cases 3.21 to 3.32: whatever a master writes, the answers are those of the model,
     /// and a frame has the bytes of the objects that the mapping then names.
