@@ -369,9 +369,9 @@ impl Row {
     /// The text at delivery; an empty one where there is none.
     #[must_use]
     pub const fn text(&self) -> &'static str {
-        match self.default() {
-            Default::Text(text) => text,
-            Default::Number(_) | Default::NodeIdPlus(_) => "",
+        match self.start {
+            Start::Particular(_, _, &Particulars { default: Default::Text(text), .. }) => text,
+            Start::Particular(..) | Start::Number(..) | Start::NodeIdPlus(..) => "",
         }
     }
 

@@ -164,11 +164,11 @@ impl RequestLength {
         match self {
             Self::Eight => 8,
             Self::AsNeeded => match command {
-                STORE | IDENTIFY_NON_CONFIGURED | INQUIRE_VENDOR..=INQUIRE_NODE_ID => 1,
-                SWITCH_GLOBAL | CONFIGURE_NODE_ID => 2,
-                CONFIGURE_BIT_TIMING | ACTIVATE_BIT_TIMING => 3,
+                SWITCH_GLOBAL..=CONFIGURE_NODE_ID => 2,
+                CONFIGURE_BIT_TIMING..=ACTIVATE_BIT_TIMING => 3,
+                SELECT_VENDOR..=IDENTIFY_SERIAL_MAX => 5,
                 FASTSCAN => 8,
-                _ => 5,
+                _ => 1,
             },
         }
     }
