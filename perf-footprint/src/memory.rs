@@ -1,5 +1,6 @@
-//! The routines that compilers call to copy and to clear memory, a byte at a time as in C libraries
-//! for small devices. Those that come with Rust are made for speed and take about 1 kB more.
+//! The routines that compilers call to copy, to move and to clear memory, a byte at a time as in C
+//! libraries for small devices. Those that come with Rust are made for speed and take about 1 kB
+//! more.
 #![expect(unsafe_code, reason = "the linker takes these for the routines that compilers know")]
 
 use core::arch::global_asm;
@@ -39,4 +40,19 @@ global_asm!(
     "mov r2, r1",
     "movs r1, #0",
     "b memset",
+    // As memcpy, for places that may overlap: from the last byte on if the copy lies behind. It has a
+    // section of its own, since not every stack needs it.
+    ".section .text.memmove, \"ax\"",
+    "routine memmove",
+    "routine __aeabi_memmove",
+    "routine __aeabi_memmove4",
+    "routine __aeabi_memmove8",
+    "cmp r0, r1",
+    "bls.w memcpy",
+    "0: subs r2, #1",
+    "it mi",
+    "bxmi lr",
+    "ldrb r3, [r1, r2]",
+    "strb r3, [r0, r2]",
+    "b 0b",
 );
