@@ -26,14 +26,6 @@ pub(crate) struct Guarded {
     is_lost: bool,
 }
 
-/// What a request changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Request {
-    Expected,
-    /// The node was given up.
-    Recovered,
-}
-
 impl Guarded {
     /// As in a product without its objects.
     pub(crate) const fn off() -> Self {
@@ -66,10 +58,10 @@ impl Guarded {
         self.is_lost = false;
     }
 
-    /// Takes a request.
-    pub(crate) fn handle(&mut self, now: Instant) -> Request {
+    /// Takes a request. Whether the node had been given up.
+    pub(crate) fn handle(&mut self, now: Instant) -> bool {
         self.lost_at = Deadline::after(now, self.life_time);
-        if core::mem::take(&mut self.is_lost) { Request::Recovered } else { Request::Expected }
+        core::mem::take(&mut self.is_lost)
     }
 
     /// The answer of a node whose heartbeat would be `state`.

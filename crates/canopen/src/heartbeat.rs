@@ -1,6 +1,6 @@
 mod consumer;
 
-pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers, Heard, is_doubled};
+pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers, is_doubled};
 use units::{Duration, Instant};
 
 use crate::deadline::Deadline;
@@ -36,10 +36,6 @@ impl Producer {
     /// Counts from now on, beginning with a heartbeat.
     pub(crate) fn restart(&mut self, now: Instant) {
         self.due_at = if self.is_on() { Deadline::at(now) } else { Deadline::NEVER };
-    }
-
-    pub(crate) fn stop(&mut self) {
-        self.due_at = Deadline::NEVER;
     }
 
     /// When the next heartbeat is due.

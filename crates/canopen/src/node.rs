@@ -9,8 +9,8 @@ use crate::cob_id::{self, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::emcy;
 use crate::frame::{CanId, Frame};
-use crate::guarding::{self, Guarded};
-use crate::heartbeat::{self, CONSUMERS_MAX, Heard};
+use crate::guarding::Guarded;
+use crate::heartbeat::{self, CONSUMERS_MAX};
 use crate::lss;
 use crate::nmt::{Command, State};
 use crate::outbox::Outbox;
@@ -515,16 +515,13 @@ impl<const LEN: usize> Node<LEN> {
         if !self.guarded.is_served() || self.heartbeat.is_on() {
             return;
         }
-        let request = self.guarded.handle(self.now);
+        let recovered = self.guarded.handle(self.now);
         let answer = self.guarded.answer(self.state.heartbeat_byte());
         self.wake_by(self.guarded.due_at());
         self.send_error_control(answer);
-        match request {
-            guarding::Request::Recovered => {
-                self.report(Event::GuardingRecovered);
-                self.update_error_register();
-            }
-            guarding::Request::Expected => {}
+        if recovered {
+            self.report(Event::GuardingRecovered);
+            self.update_error_register();
         }
     }
 
@@ -710,12 +707,9 @@ impl<const LEN: usize> Node<LEN> {
         if frame.dlc() != 1 {
             return;
         }
-        match self.monitored.handle(self.now, frame.id()) {
-            Heard::Recovered(producer) => {
-                self.report(Event::HeartbeatRecovered { producer });
-                self.update_error_register();
-            }
-            Heard::Nothing => {}
+        if let Some(producer) = self.monitored.handle(self.now, frame.id()) {
+            self.report(Event::HeartbeatRecovered { producer });
+            self.update_error_register();
         }
         self.wake_by(self.monitored.due_at());
     }
@@ -828,10 +822,6 @@ impl<const LEN: usize> Node<LEN> {
     /// Ends all activity for good.
     fn leave(&mut self, reason: Event) {
         self.state = State::Initialising;
-        self.heartbeat.stop();
-        self.monitored.stop();
-        self.guarded.stop();
-        self.sync.stop();
         self.screen = Screen::CLOSED;
         self.wake_at = Deadline::NEVER;
         self.configured = None;
@@ -1011,8 +1001,11 @@ impl<const LEN: usize> Node<LEN> {
         self.wake_by(self.tpdos.due_at().min(self.rpdos.due_at()));
     }
 
-    /// Looks for what is due next.
+    /// Looks for what is due next; nothing on a node that is not up.
     fn schedule(&mut self) {
+        if self.state == State::Initialising {
+            return;
+        }
         self.wake_at = Deadline::from(self.sdo.poll_timeout())
             .or_earlier(self.heartbeat.due_at())
             .or_earlier(self.monitored.due_at())

@@ -31,13 +31,6 @@ struct Consumer {
     is_lost: bool,
 }
 
-/// What a heartbeat changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Heard {
-    Nothing,
-    Recovered(NodeId),
-}
-
 impl Consumers {
     /// Nothing is monitored.
     pub(crate) const fn off() -> Self {
@@ -61,19 +54,15 @@ impl Consumers {
         producers.map(|producer| Service::ErrorControl.id(producer))
     }
 
-    /// Takes a message with an identifier of the error control.
-    pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Heard {
+    /// Takes a message with an identifier of the error control. Comes back with a producer that had
+    /// been lost.
+    pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Option<NodeId> {
         let is_of = |producer| Service::ErrorControl.id(producer) == id;
-        for consumer in &mut self.entries {
-            if let Some(producer) = consumer.producer.filter(|&producer| is_of(producer)) {
-                let time = Duration::from_millis(u64::from(consumer.time_ms));
-                consumer.expires_at = Deadline::after(now, time);
-                if core::mem::take(&mut consumer.is_lost) {
-                    return Heard::Recovered(producer);
-                }
-            }
-        }
-        Heard::Nothing
+        let consumer =
+            self.entries.iter_mut().find(|consumer| consumer.producer.is_some_and(is_of))?;
+        let time = Duration::from_millis(u64::from(consumer.time_ms));
+        consumer.expires_at = Deadline::after(now, time);
+        core::mem::take(&mut consumer.is_lost).then_some(consumer.producer).flatten()
     }
 
     /// When the next producer counts as lost.
@@ -92,13 +81,6 @@ impl Consumers {
     /// Whether a producer is lost.
     pub(crate) fn is_any_lost(&self) -> bool {
         self.entries.iter().any(|consumer| consumer.is_lost)
-    }
-
-    /// Monitors nothing until the next messages.
-    pub(crate) fn stop(&mut self) {
-        for consumer in &mut self.entries {
-            (consumer.expires_at, consumer.is_lost) = (Deadline::NEVER, false);
-        }
     }
 }
 
