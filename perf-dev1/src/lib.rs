@@ -31,9 +31,12 @@ pub trait Stack {
     /// A frame as the stack receives it.
     type Frame;
 
-    /// DEV1 at the time 0, in Pre-operational; its boot-up message may wait to be sent. Its inputs
-    /// 0x6000 and 0x6001 hold [`input_32`] and [`input_8`] of their sub-indices.
+    /// DEV1 at the time 0.
     fn new() -> Self;
+
+    /// What is left to do until it is in Pre-operational, its inputs 0x6000 and 0x6001 are
+    /// [`input_32`] and [`input_8`] of their sub-indices, and its boot-up message waits or is sent.
+    fn start(&mut self) {}
 
     /// A data frame of `len` bytes, at most 8.
     fn frame(id: u16, len: u8, data: [u8; 8]) -> Self::Frame;

@@ -151,6 +151,7 @@ impl Operation {
     /// When the stack refuses the configuration.
     pub(crate) fn prepare<S: Stack>(&self, bus: &Memory) -> (S, [S::Frame; 2]) {
         let mut stack = S::new();
+        stack.start();
         stack.tick(NOW_US, bus);
         for request in self.configuration {
             operate(&mut stack, &frame::<S>((REQUEST, request)), bus);

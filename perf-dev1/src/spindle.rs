@@ -32,9 +32,11 @@ impl<D: Application + Default> Stack for Spindle<D> {
     type Frame = Frame;
 
     fn new() -> Self {
-        let mut stack = Self { node: dev1::node(), device: D::default() };
-        stack.start(Instant::ZERO);
-        stack
+        Self { node: dev1::node(), device: D::default() }
+    }
+
+    fn start(&mut self) {
+        self.boot(Instant::ZERO);
     }
 
     fn frame(id: u16, len: u8, data: [u8; 8]) -> Frame {
@@ -74,7 +76,7 @@ impl<D: Application + Default> Stack for Spindle<D> {
 
 impl<D: Application + Default> Spindle<D> {
     /// The inputs are there before the boot-up message.
-    fn start(&mut self, now: Instant) {
+    fn boot(&mut self, now: Instant) {
         for (slot, row) in DICTIONARY.slots() {
             let value = match row.id() {
                 ObjectId { index: 0x6000, sub: sub @ 1.. } => input_32(sub),
@@ -105,7 +107,7 @@ impl<D: Application + Default> Spindle<D> {
         match event {
             Event::ResetNode | Event::ResetCommunication => {
                 self.node = dev1::node();
-                self.start(now);
+                self.boot(now);
             }
             Event::Store { .. } | Event::Restore { .. } => {
                 self.node.handle_stored(Err(WriteError::NotStored));

@@ -27,6 +27,7 @@ pub static __INTERRUPTS: [usize; 1] = [0];
 pub fn run<S: Stack>(stack: &mut S) -> ! {
     let controller = Controller::new();
     let timer = Timer::new();
+    stack.start();
     let mut now_us = 0;
     loop {
         if timer.is_over() {

@@ -171,7 +171,6 @@ impl<const LEN: usize> Node<LEN> {
         node_id: NodeId,
         settings: &'static Settings,
     ) -> Self {
-        let values = Values::new(dictionary, node_id.get());
         let mut node = Self {
             node_id,
             settings,
@@ -196,7 +195,7 @@ impl<const LEN: usize> Node<LEN> {
             has_news: false,
             filters_changed: false,
             events: Deque::new(),
-            values,
+            values: Values::new(dictionary, node_id.get()),
         };
         node.configure();
         node

@@ -14,11 +14,9 @@ impl<const LEN: usize> Values<LEN> {
     /// beyond it would read zero.
     #[must_use]
     pub fn new(dictionary: &'static Dictionary, node_id: u8) -> Self {
-        let mut values = Self { dictionary, numbers: [0; LEN] };
-        for (number, row) in values.numbers.iter_mut().zip(dictionary.rows()) {
-            *number = row.initial(node_id);
-        }
-        values
+        let mut rows = dictionary.rows().iter();
+        let numbers = core::array::from_fn(|_| rows.next().map_or(0, |row| row.initial(node_id)));
+        Self { dictionary, numbers }
     }
 
     /// The rows these are the values of.
