@@ -63,6 +63,52 @@ fn answers_leave_without_a_gap() {
     assert!(blocked.iter().all(|(_, cycles)| *cycles <= 50 * CYCLES_PER_US), "{blocked:?}");
 }
 
+/// NM17x SDO-03, STORE-07: a sector of the flash is erased, and words are written, while a master
+/// leaves no gap between its requests: each is answered, and nothing keeps the controller from a
+/// frame for longer than 50 µs.
+#[test]
+fn an_erase_of_the_flash_loses_no_request() {
+    const READ: &str = "67F#40 00 10 00 00 00 00 00";
+    const WRITES: [&str; 2] = ["67F#2F 01 21 00 7E 00 00 00", "67F#2F 01 21 00 7F 00 00 00"];
+    const ANSWERS: [&str; 2] = ["5FF#43 00 10 00", "5FF#60 01 21 00"];
+    /// More than the bus carries in this time, with the answers.
+    const REQUESTS: usize = 90;
+    const ROUND_MS: u64 = 20;
+    /// Several thousand numbers, of which a sector holds several hundred.
+    const ROUNDS_MAX: u64 = 500;
+    /// An erase takes up to half a second.
+    const ROUNDS_OF_ERASE: u64 = 500 / ROUND_MS;
+    let answers = |scene: &mut Scene| {
+        let is_answer = |frame: &&String| ANSWERS.iter().any(|answer| frame.starts_with(answer));
+        scene.frames().iter().filter(is_answer).count()
+    };
+    let mut scene = booted_at_1_mbit_s();
+    let (mut asked, mut answered, mut rounds_left) = (0, 0, ROUNDS_MAX);
+    let mut erased = false;
+    while rounds_left > 0 {
+        rounds_left -= 1;
+        while asked < answered + REQUESTS {
+            let [first, second] = WRITES;
+            scene.send(match asked % 20 {
+                0 => first,
+                10 => second,
+                _ => READ,
+            });
+            asked += 1;
+        }
+        answered += answers(scene.run_ms(ROUND_MS));
+        assert!(answered < asked, "the master has to wait for the bus");
+        if !erased && figure(&mut scene, "sector_erases") > 0 {
+            (erased, rounds_left) = (true, ROUNDS_OF_ERASE);
+        }
+    }
+    assert!(erased);
+    answered += answers(scene.run_ms(ROUND_MS));
+    assert_eq!(answered, asked);
+    let blocked = ["can_wait_ns", "masked_ns"].map(|name| (name, cycles(&mut scene, name)));
+    assert!(blocked.iter().all(|(_, cycles)| *cycles <= 50 * CYCLES_PER_US), "{blocked:?}");
+}
+
 fn booted_at_1_mbit_s() -> Scene {
     let mut scene = Scene::booted("nm172", &[]);
     scene.request("2F 00 21 00 08 00 00 00");
@@ -84,8 +130,12 @@ fn reaction(scene: &mut Scene, ask: impl Fn(&mut Scene)) -> u64 {
 const CYCLES_PER_US: u64 = 160;
 
 /// A time among the figures of the CAN interface controller.
-fn cycles(scene: &mut Scene, figure: &str) -> u64 {
+fn cycles(scene: &mut Scene, name: &str) -> u64 {
+    figure(scene, name) * CYCLES_PER_US / 1_000
+}
+
+/// A figure of the CAN interface controller.
+fn figure(scene: &mut Scene, name: &str) -> u64 {
     let stats = scene.bench.tell("stats", json!({}));
-    let ns = stats.pointer(&format!("/stm/{figure}")).and_then(Value::as_u64);
-    ns.expect("a time in nanoseconds") * CYCLES_PER_US / 1_000
+    stats.pointer(&format!("/stm/{name}")).and_then(Value::as_u64).expect("a whole number")
 }
