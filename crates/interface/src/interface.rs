@@ -291,8 +291,11 @@ impl Interface {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
             Outcome::ApplicationWritten(slot) => {
-                self.received_correction.take_if(|_| Some(slot) == self.slots.correction);
-                self.follow_correction(now);
+                let slots = &self.slots;
+                if [slots.correction, slots.correction_enabled].contains(&Some(slot)) {
+                    self.received_correction.take_if(|_| Some(slot) == slots.correction);
+                    self.follow_correction(now);
+                }
             }
             Outcome::Received(received) => self.follow_pdo(now, received),
             Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
