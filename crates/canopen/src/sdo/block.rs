@@ -1,6 +1,6 @@
 use super::abort::AbortCode;
 use super::message::{Message, SEGMENT_LEN, segment, size};
-use super::objects::Objects;
+use super::objects::{Entry, Objects};
 use super::server::Server;
 use super::transfer::{Step, Transfer, going_on};
 use crate::application::Application;
@@ -74,7 +74,7 @@ impl Server {
                 let crc =
                     if transfer.command & HAS_CHECKSUM != 0 { checksum(&self.value) } else { 0 };
                 let [unused, ..] = unused.to_le_bytes();
-                self.answer = Some(segment(UPLOAD_END | unused << 2, &crc.to_le_bytes()));
+                self.answer = Some(Message::short(UPLOAD_END | unused << 2, crc));
             }
             Some(_) | None => {
                 check_block_len(block_len)?;
@@ -107,7 +107,7 @@ impl Server {
             return Err(AbortCode::CRC);
         }
         objects.write(entry, &self.value)?;
-        self.finish(entry, segment(DOWNLOAD_END_ANSWER, &[]), objects)
+        self.finish(entry, Message::short(DOWNLOAD_END_ANSWER, 0), objects)
     }
 
     /// Takes a segment, and answers the last one of a block. What is not in order is asked for again
@@ -121,8 +121,8 @@ impl Server {
         let [command, data @ ..] = segment.to_bytes();
         let (number, is_last) = (command & !LAST, command & LAST != 0);
         if number == transfer.segments + 1 {
-            let row = transfer.entry.row;
-            let fits = self.value.len() < row.data_type().len().max(1);
+            let Entry { row, len, .. } = transfer.entry;
+            let fits = self.value.len() < usize::from(len.max(1));
             if !fits || self.value.extend_from_slice(&data).is_err() {
                 return Err(objects.length_code(row));
             }
@@ -133,8 +133,8 @@ impl Server {
         }
         if is_last || number == BLOCK_LEN_MAX {
             let number = core::mem::take(&mut transfer.segments);
-            self.answer =
-                Some(super::message::segment(DOWNLOAD_BLOCK_ANSWER, &[number, BLOCK_LEN_MAX]));
+            let taken = u16::from_le_bytes([number, BLOCK_LEN_MAX]);
+            self.answer = Some(Message::short(DOWNLOAD_BLOCK_ANSWER, taken));
         }
         Ok(())
     }

@@ -36,6 +36,11 @@ impl Message {
         Self { head: self.head & !0xFF | command as u32, data }
     }
 
+    /// A message that names no object, with its first bytes of data.
+    pub(super) const fn short(command: u8, data: u16) -> Self {
+        Self { head: (data as u32) << 8 | command as u32, data: 0 }
+    }
+
     pub(super) const fn command(self) -> u8 {
         let [command, ..] = self.head.to_le_bytes();
         command
@@ -54,14 +59,18 @@ impl Message {
 
 /// A command byte and the first bytes of what is left of a value, filled with zeros.
 pub(super) fn segment(command: u8, rest: &[u8]) -> Message {
-    let mut bytes = [0; DATA_MAX];
-    let [first, data @ ..] = &mut bytes;
-    *first = command;
-    for (place, &byte) in data.iter_mut().zip(rest) {
+    let behind = rest.get(3..).unwrap_or(&[]);
+    Message { head: word(rest) << 8 | u32::from(command), data: word(behind) }
+}
+
+/// The first four bytes of a value, filled with zeros.
+#[inline(never)]
+pub(super) fn word(value: &[u8]) -> u32 {
+    let mut word = [0; 4];
+    for (place, &byte) in word.iter_mut().zip(value) {
         *place = byte;
     }
-    let [a, b, c, d, e, f, g, h] = bytes;
-    Message { head: u32::from_le_bytes([a, b, c, d]), data: u32::from_le_bytes([e, f, g, h]) }
+    u32::from_le_bytes(word)
 }
 
 /// A length as messages have it.

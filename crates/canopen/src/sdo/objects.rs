@@ -4,7 +4,7 @@ use object_dictionary::{
 };
 
 use super::abort::AbortCode;
-use super::message::size;
+use super::message::{size, word};
 use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
@@ -61,8 +61,10 @@ pub(crate) enum Effect {
 /// An entry that a client may access.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    pub(super) slot: Slot,
     pub(super) row: &'static Row,
+    pub(super) slot: Slot,
+    /// Bytes of its value.
+    pub(super) len: u8,
 }
 
 impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
@@ -89,6 +91,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// The entry, if it may be read now.
+    #[inline]
     pub(super) fn readable(&mut self, object: ObjectId) -> Result<Entry, AbortCode> {
         let entry = self.find(object)?;
         match entry.row.access() {
@@ -103,6 +106,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// The entry, if it may be written now.
+    #[inline]
     pub(super) fn writable(&self, object: ObjectId) -> Result<Entry, AbortCode> {
         let entry = self.find(object)?;
         self.check_access(entry.row)?;
@@ -131,7 +135,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             | DataType::Unsigned32
             | DataType::Integer8
             | DataType::Integer16
-            | DataType::Integer32 => number.get(..entry.row.data_type().len()).unwrap_or(&[]),
+            | DataType::Integer32 => number.get(..usize::from(entry.len)).unwrap_or(&[]),
         };
         place.clear();
         place.extend_from_slice(bytes).map_err(|_| AbortCode::OUT_OF_MEMORY)
@@ -184,26 +188,22 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
 
     /// Writes a value after the remaining checks.
     pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<(), AbortCode> {
-        let Entry { slot, row } = entry;
+        let Entry { slot, row, len } = entry;
         self.check_access(row)?;
-        if bytes.len() != row.data_type().len() {
+        if bytes.len() != usize::from(len) {
             return Err(self.length_code(row));
         }
         if row.data_type().is_text() {
             let written = self.application.write_text(slot, row, bytes);
             return written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes));
         }
-        let mut le = [0; 4];
-        for (byte, &sent) in le.iter_mut().zip(bytes) {
-            *byte = sent;
-        }
-        self.write_number(entry, u32::from_le_bytes(le))
+        self.write_number(entry, word(bytes))
     }
 
     /// Writes the number that the low bytes of `raw` are after the remaining checks.
     #[inline]
     pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<(), AbortCode> {
-        let Entry { slot, row } = entry;
+        let Entry { slot, row, .. } = entry;
         let codes = &self.settings.abort_codes;
         let raw = row.data_type().widen(raw);
         row.check(raw).map_err(|outside| match outside {
@@ -263,7 +263,8 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             Missing::SubIndex => AbortCode::NO_SUB_INDEX,
         })?;
         let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
-        Ok(Entry { slot, row })
+        let [len, ..] = row.data_type().len().to_le_bytes();
+        Ok(Entry { slot, row, len })
     }
 
     /// Whether the stack can act on this value of an object of the communication.

@@ -39,10 +39,10 @@ impl Server {
     ) -> Result<(), AbortCode> {
         let transfer = going_on(&mut self.transfer, Step::Download)?;
         let [command, data @ ..] = request.to_bytes();
-        let answer = segment(DOWNLOAD_ANSWER | toggle(transfer, command)?, &[]);
+        let answer = Message::short(DOWNLOAD_ANSWER | toggle(transfer, command)?, 0);
         let entry = transfer.entry;
         let data = data.get(..SEGMENT_LEN - usize::from(command >> 1 & 7)).unwrap_or(&[]);
-        let fits = self.value.len() + data.len() <= entry.row.data_type().len();
+        let fits = self.value.len() + data.len() <= usize::from(entry.len);
         if !fits || self.value.extend_from_slice(data).is_err() {
             return Err(objects.length_code(entry.row));
         }

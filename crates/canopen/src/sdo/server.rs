@@ -5,7 +5,7 @@ use object_dictionary::ObjectId;
 use units::Instant;
 
 use super::abort::AbortCode;
-use super::message::{Message, segment, size};
+use super::message::{Message, size, word};
 use super::objects::{Effect, Entry, Objects, VALUE_MAX};
 use super::transfer::{Step, Transfer};
 use crate::application::{Application, WriteError};
@@ -190,21 +190,19 @@ impl Server {
             objects.load(entry, &mut self.value)?;
             self.offer_loaded(request, entry, expedited);
         } else {
-            let size = size(entry.row.data_type().len());
-            self.offer(request, entry, expedited, size, objects.number(entry));
+            self.offer(request, entry, expedited, entry.len.into(), objects.number(entry));
         }
         Ok(())
     }
 
     /// The loaded value, or that it follows in segments.
     pub(super) fn offer_loaded(&mut self, request: Message, entry: Entry, expedited: Expedited) {
-        let [_, a, b, c, d, ..] = segment(0, &self.value).to_bytes();
-        let first = u32::from_le_bytes([a, b, c, d]);
-        self.offer(request, entry, expedited, size(self.value.len()), first);
+        self.offer(request, entry, expedited, size(self.value.len()), word(&self.value));
     }
 
     /// A value of `size` bytes, of which these are the first, or that the loaded value follows in
     /// segments.
+    #[inline]
     fn offer(
         &mut self,
         request: Message,
@@ -240,7 +238,7 @@ impl Server {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }
         let entry = objects.writable(request.object())?;
-        let len = size(entry.row.data_type().len());
+        let len = u32::from(entry.len);
         if indicated != Some(len) || expedited == Expedited::FourOnly {
             let room = u32::from(frame_len.saturating_sub(HEAD_LEN));
             if indicated.is_none() && room < len && len <= 4 {
@@ -250,7 +248,7 @@ impl Server {
         }
         if entry.row.data_type().is_text() {
             let data = request.data().to_le_bytes();
-            objects.write(entry, data.get(..entry.row.data_type().len()).unwrap_or(&[]))?;
+            objects.write(entry, data.get(..usize::from(entry.len)).unwrap_or(&[]))?;
         } else {
             objects.write_number(entry, request.data())?;
         }
@@ -267,7 +265,7 @@ impl Server {
     ) -> Result<&mut Transfer, AbortCode> {
         self.transfer = None;
         let entry = objects.writable(request.object())?;
-        if has_size && request.data() != size(entry.row.data_type().len()) {
+        if has_size && request.data() != u32::from(entry.len) {
             return Err(objects.length_code(entry.row));
         }
         self.value.clear();
@@ -314,8 +312,7 @@ fn indicated(command: u8) -> Option<u32> {
 fn len_min(command: u8) -> u8 {
     match command {
         0x00..=0x1F => LEN_MAX - (command >> 1 & 7).min(4),
-        0x21 => LEN_MAX,
-        0x23 | 0x27 | 0x2B | 0x2F => LEN_MAX - (command >> 2 & 3),
+        0x21 | 0x23 | 0x27 | 0x2B | 0x2F => LEN_MAX - (command >> 2 & 3),
         _ => HEAD_LEN,
     }
 }
