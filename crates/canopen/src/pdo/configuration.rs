@@ -69,6 +69,8 @@ fn check_mapping<const LEN: usize>(
     } else if raw == 0 {
         Ok(())
     } else {
-        Entry::from_raw(raw).check(values.dictionary(), index)
+        let entry = Entry::from_raw(raw);
+        let (_, row) = entry.find(values.dictionary());
+        entry.check(row, index)
     }
 }

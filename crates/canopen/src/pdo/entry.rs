@@ -1,4 +1,4 @@
-use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Slot};
+use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 
 use super::Direction;
 use crate::sdo::AbortCode;
@@ -6,7 +6,7 @@ use crate::sdo::AbortCode;
 /// An entry of a mapping object: index, sub-index and length in bits (CiA 301, section 7.5.2.36).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    pub(super) object: ObjectId,
+    object: ObjectId,
     pub(super) bits: u8,
 }
 
@@ -21,11 +21,16 @@ impl Entry {
         if self.bits > 0 && self.bits.is_multiple_of(8) { Some(self.bits / 8) } else { None }
     }
 
-    /// Whether a master may give it to a PDO with this mapping object.
-    pub(super) fn check(self, dictionary: &Dictionary, mapping: u16) -> Result<(), AbortCode> {
-        let direction = Direction::of(mapping);
+    /// The object, if the product has it.
+    pub(super) fn find(self, dictionary: &Dictionary) -> (Slot, Option<&'static Row>) {
         let slot = dictionary.find(self.object).unwrap_or(Slot::NOWHERE);
-        let data_type = match (dictionary.row(slot), direction) {
+        (slot, dictionary.row(slot))
+    }
+
+    /// Whether a master may give it to a PDO with this mapping object; `row` is that of its object.
+    pub(super) fn check(self, row: Option<&Row>, mapping: u16) -> Result<(), AbortCode> {
+        let direction = Direction::of(mapping);
+        let data_type = match (row, direction) {
             (Some(row), _) if !direction.takes(row.pdo()) || row.data_type().is_text() => {
                 return Err(AbortCode::NOT_MAPPABLE);
             }

@@ -1,4 +1,4 @@
-use object_dictionary::{Dictionary, Slot};
+use object_dictionary::{Row, Slot};
 
 use super::entry::Entry;
 use super::mapping::{Bytes, LEN_MAX};
@@ -17,10 +17,9 @@ pub(super) struct Field {
 struct Width(u8);
 
 impl Field {
-    /// The field of an entry at the byte `at`.
-    pub(super) fn new(entry: Entry, at: u8, dictionary: &Dictionary) -> Self {
-        let slot = dictionary.find(entry.object).unwrap_or(Slot::NOWHERE);
-        let is_signed = dictionary.row(slot).is_some_and(|row| row.data_type().is_signed());
+    /// The field of an entry at the byte `at`, whose object has this slot and row.
+    pub(super) fn new(entry: Entry, at: u8, slot: Slot, row: Option<&Row>) -> Self {
+        let is_signed = row.is_some_and(|row| row.data_type().is_signed());
         let sign = if is_signed { Width::SIGNED } else { 0 };
         Self { slot, at, width: Width(sign | 32_u8.saturating_sub(entry.bits)) }
     }

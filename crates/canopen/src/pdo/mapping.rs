@@ -63,14 +63,15 @@ impl Mapping {
             let Some(entry) = parameter(values, index, sub).map(Entry::from_raw) else {
                 return verdict.and(Err(AbortCode::MAPPING_LENGTH));
             };
-            verdict = verdict.and(entry.check(dictionary, index));
+            let (slot, row) = entry.find(dictionary);
+            verdict = verdict.and(entry.check(row, index));
             let Some(len) = entry.byte_len() else { return verdict };
-            let field = Field::new(entry, end, dictionary);
+            let field = Field::new(entry, end, slot, row);
             end += len;
             if end <= LEN_MAX && self.fields.push(field).is_ok() {
                 self.len = end;
-                self.slots = self.slots.join(Slots::of(field.slot));
-                self.limited |= dictionary.row(field.slot).is_some_and(|row| !row.is_unlimited());
+                self.slots = self.slots.join(Slots::of(slot));
+                self.limited |= row.is_some_and(|row| !row.is_unlimited());
             }
         }
         verdict.and(if end <= LEN_MAX { Ok(()) } else { Err(AbortCode::MAPPING_LENGTH) })
