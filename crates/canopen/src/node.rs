@@ -1,5 +1,9 @@
+mod configuration;
+mod errors;
+mod reception;
+
 use heapless::Deque;
-use object_dictionary::{Dictionary, ObjectId, Slot, Values};
+use object_dictionary::{Dictionary, Slot, Values};
 use units::Instant;
 
 use crate::acceptance::{Accepted, Screen};
@@ -12,14 +16,15 @@ use crate::frame::{CanId, Frame};
 use crate::guarding::Guarded;
 use crate::heartbeat::{self, CONSUMERS_MAX};
 use crate::lss;
-use crate::nmt::{Command, State};
+use crate::nmt::State;
 use crate::outbox::Outbox;
-use crate::parameter::{number, parameter};
-use crate::pdo::{PDO_MAX, Rpdos, Target, Tpdos};
-use crate::sdo::{self, Effect, Objects};
-use crate::settings::{BusOff, Emergency, ErrorBehaviour, Settings};
-use crate::sync::{self, Sync};
-use crate::time::{self, TimeOfDay};
+use crate::parameter::number;
+use crate::pdo::{PDO_MAX, Rpdos, Tpdos};
+use crate::sdo;
+use crate::settings::{BusOff, Settings};
+use crate::sync::Sync;
+use crate::time::TimeOfDay;
+use errors::ErrorClass;
 
 /// Events that may wait for [`Node::poll_event`].
 const EVENTS_MAX: usize = 16;
@@ -28,22 +33,8 @@ const EVENTS_MAX: usize = 16;
 const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + PDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
-const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
-const HEARTBEAT_TIME: u16 = 0x1017;
 const IDENTITY: u16 = 0x1018;
 const NMT_STARTUP: u16 = 0x1F80;
-
-/// Error register: any error, and one of the communication.
-const COMMUNICATION_ERROR: u8 = 1 << 4 | 1;
-/// Error register: an error of the maker's own.
-const MANUFACTURER_ERROR: u32 = 1 << 7;
-
-/// What 0x1029 distinguishes.
-#[derive(Clone, Copy, Debug)]
-enum ErrorClass {
-    Communication,
-    Manufacturer,
-}
 
 /// The bit of 0x1F80 that lets a node become Operational without a master.
 const SELF_STARTING: u32 = 1 << 3;
@@ -451,9 +442,7 @@ impl<const LEN: usize> Node<LEN> {
             self.note_change(slot);
         }
     }
-}
 
-impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     fn next_event(&mut self) -> Option<Event> {
         if let Some(event) = self.events.pop_front() {
@@ -466,102 +455,6 @@ impl<const LEN: usize> Node<LEN> {
         let lost = self.outbox.take_overflow()?;
         self.say(&self.settings.bus.overflow);
         Some(Event::TransmitOverflow { lost })
-    }
-
-    /// Hands a frame to who listens to it, the frequent ones first. The handlers are functions of
-    /// their own: none pays for the registers and the stack of another.
-    #[inline]
-    fn dispatch(&mut self, frame: &Frame, application: &mut impl Application) {
-        let id = frame.id();
-        if frame.is_remote() {
-            self.handle_remote(id);
-        } else if id == Service::SdoRequest.id(self.node_id) {
-            self.handle_sdo(frame, application);
-        } else if id == self.sync.id() {
-            self.handle_sync(frame, application);
-        } else {
-            self.handle_rpdo(frame, application);
-        }
-    }
-
-    #[inline(never)]
-    fn handle_rare(&mut self, frame: &Frame) {
-        let id = frame.id();
-        if id == cob_id::NMT {
-            self.handle_nmt(frame);
-        } else if Service::ErrorControl.has(id) {
-            self.handle_heartbeat(frame);
-        } else if self.time == id {
-            self.handle_time(frame);
-        } else if let Some(slave) = &mut self.lss {
-            let reaction = slave.handle_frame(frame);
-            self.follow(reaction);
-        }
-    }
-
-    #[inline(never)]
-    fn handle_remote(&mut self, id: CanId) {
-        if id == Service::ErrorControl.id(self.node_id) {
-            self.handle_guarding();
-        } else {
-            self.tpdos.handle_remote(self.now, id, &self.values, &mut self.outbox);
-            self.wake_for_pdos();
-        }
-    }
-
-    /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2).
-    fn handle_guarding(&mut self) {
-        if !self.guarded.is_served() || self.heartbeat.is_on() {
-            return;
-        }
-        let recovered = self.guarded.handle(self.now);
-        let answer = self.guarded.answer(self.state.heartbeat_byte());
-        self.wake_by(self.guarded.due_at());
-        self.send_error_control(answer);
-        if recovered {
-            self.report(Event::GuardingRecovered);
-            self.update_error_register();
-        }
-    }
-
-    fn handle_nmt(&mut self, frame: &Frame) {
-        match Command::parse(frame.data(), self.node_id) {
-            Some(Command::Enter(state)) => {
-                self.enter(state);
-                self.send_waiting_emergencies();
-                self.transmit_due();
-                self.schedule();
-            }
-            Some(Command::ResetNode) => self.leave(Event::ResetNode),
-            Some(Command::ResetCommunication) => self.leave(Event::ResetCommunication),
-            None => {}
-        }
-    }
-
-    #[inline(never)]
-    fn handle_sdo(&mut self, frame: &Frame, application: &mut impl Application) {
-        if !self.state.serves_sdo() {
-            return;
-        }
-        let waited = self.sdo.is_waiting();
-        let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
-        self.sdo.handle(self.now, frame, &mut objects);
-        let effect = objects.effect();
-        self.answer();
-        if waited || self.sdo.is_waiting() {
-            self.send_segment();
-            self.schedule();
-        }
-        match effect {
-            Effect::None => {}
-            Effect::Changed(slot) => self.note_value(slot),
-            Effect::Configured(slot) => {
-                self.configured = Some(slot);
-                self.wake_at = Deadline::at(self.now);
-            }
-            Effect::Store { sub } => self.report(Event::Store { sub }),
-            Effect::Restore { sub } => self.report(Event::Restore { sub }),
-        }
     }
 
     fn answer(&mut self) {
@@ -610,35 +503,6 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    /// What waited for the SYNC is taken over before PDOs go out with it.
-    #[inline(never)]
-    fn handle_sync(&mut self, frame: &Frame, application: &mut impl Application) {
-        let counter = match self.sync.receive(frame) {
-            sync::Received::Sync { counter } => counter,
-            sync::Received::UnexpectedLength => {
-                return self.say(&self.settings.receive_errors.sync_length);
-            }
-            sync::Received::Nothing => return,
-        };
-        if self.state != State::Operational {
-            return;
-        }
-        if self.rpdos.wait() {
-            self.take_over_waiting(application);
-        }
-        self.tpdos.handle_sync(counter, &self.values, &mut self.outbox);
-        if let Some(window_ends_at) = self.sync.open_window(self.now) {
-            self.wake_by(window_ends_at);
-        }
-    }
-
-    #[inline(never)]
-    fn take_over_waiting(&mut self, application: &mut impl Application) {
-        let Self { values, tpdos, rpdos, .. } = self;
-        rpdos.handle_sync(&mut Target { values, tpdos, application, is_late: false });
-        self.follow_values();
-    }
-
     /// A PDO came or values changed: what is due now goes out, and what follows later is not missed.
     #[inline(never)]
     fn follow_values(&mut self) {
@@ -661,133 +525,11 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
-    fn handle_time(&mut self, frame: &Frame) {
-        if self.state.serves_sdo()
-            && let Some(time) = TimeOfDay::parse(frame)
-        {
-            self.report(Event::Time(time));
-        }
-    }
-
-    #[inline(never)]
-    fn handle_rpdo(&mut self, frame: &Frame, application: &mut impl Application) {
-        if self.state != State::Operational {
-            return self.handle_rare(frame);
-        }
-        let Self { values, tpdos, rpdos, .. } = self;
-        let target =
-            &mut Target { values, tpdos, application, is_late: self.sync.is_window_over() };
-        let Some(outcome) = rpdos.handle_frame(self.now, frame, target) else {
-            return self.handle_rare(frame);
-        };
-        if let Some(fault) = outcome.fault {
-            self.say(&fault.emergency(&self.settings.receive_errors));
-        }
-        if outcome.goes_on {
-            self.follow_values();
-        }
-    }
-
     fn report_overdue(&mut self) {
         while let Some(number) = self.rpdos.take_due(self.now) {
             self.report(Event::PdoOverdue { number });
             self.say(&self.settings.receive_errors.overdue);
         }
-    }
-
-    #[inline(never)]
-    fn say(&mut self, emergency: &Option<Emergency>) {
-        if let &Some(Emergency { code, manufacturer }) = emergency {
-            self.send_emergency(code, manufacturer);
-        }
-    }
-
-    fn handle_heartbeat(&mut self, frame: &Frame) {
-        if frame.dlc() != 1 {
-            return;
-        }
-        if let Some(producer) = self.monitored.handle(self.now, frame.id()) {
-            self.report(Event::HeartbeatRecovered { producer });
-            self.update_error_register();
-        }
-        self.wake_by(self.monitored.due_at());
-    }
-
-    /// Each producer that is missing is an event, a message and a reason to act.
-    fn give_up_producers(&mut self) {
-        while let Some(producer) = self.monitored.take_due(self.now) {
-            self.report(Event::HeartbeatLost { producer });
-            self.lose_partner();
-        }
-    }
-
-    fn give_up_master(&mut self) {
-        if self.guarded.take_due(self.now) {
-            self.report(Event::GuardingLost);
-            self.lose_partner();
-        }
-    }
-
-    /// The message is older than the state that follows, and is sent even if that has none.
-    fn lose_partner(&mut self) {
-        self.update_error_register();
-        let state = self.state;
-        self.react(ErrorClass::Communication);
-        self.raise(state, emcy::PARTNER_LOST, [0; 5]);
-    }
-
-    fn update_error_register(&mut self) {
-        let Ok(slot) = self.values.dictionary().find(ERROR_REGISTER) else { return };
-        let disturbed =
-            self.guarded.is_lost() || self.monitored.is_any_lost() || self.bus.is_impaired();
-        let own = if disturbed { COMMUNICATION_ERROR } else { 0 };
-        let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
-        self.change_value(slot, after);
-        if before != 0 && after == 0 {
-            self.send_emergency(emcy::ERROR_RESET, [0; 5]);
-        }
-        if !before & after & MANUFACTURER_ERROR != 0 {
-            self.react(ErrorClass::Manufacturer);
-        }
-    }
-
-    /// Does what 0x1029 says (CiA 301, section 7.5.2.32). Without an entry a communication error
-    /// ends Operational, and other errors change nothing.
-    fn react(&mut self, class: ErrorClass) {
-        const TO_PRE_OPERATIONAL: u32 = 0;
-        const NO_CHANGE: u32 = 1;
-        const TO_STOPPED: u32 = 2;
-        const RESET: u32 = 3;
-        let acts = match self.settings.error_behaviour {
-            ErrorBehaviour::InOperational => self.state == State::Operational,
-            ErrorBehaviour::InEveryState => self.state != State::Initialising,
-        };
-        let (sub, absent) = match class {
-            ErrorClass::Communication => (1, TO_PRE_OPERATIONAL),
-            ErrorClass::Manufacturer => (2, NO_CHANGE),
-        };
-        match parameter(&self.values, 0x1029, sub).unwrap_or(absent) {
-            TO_PRE_OPERATIONAL if self.state == State::Operational => {
-                self.enter(State::PreOperational);
-            }
-            TO_STOPPED if acts => self.enter(State::Stopped),
-            RESET if acts => self.leave(Event::ResetNode),
-            _ => {}
-        }
-    }
-
-    /// Takes an error that came in `state`, if that has emergency messages.
-    #[inline(never)]
-    fn raise(&mut self, state: State, error_code: u16, manufacturer: [u8; 5]) {
-        if !state.serves_sdo() {
-            return;
-        }
-        let Self { values, settings, .. } = self;
-        self.emergencies.raise(error_code, manufacturer, values, settings);
-        if self.emergencies.is_uninhibited() && self.state != State::Initialising {
-            self.send_due_emergencies();
-        }
-        self.wake_by(self.emergency_due_at());
     }
 
     fn enter(&mut self, to: State) {
@@ -844,149 +586,8 @@ impl<const LEN: usize> Node<LEN> {
         self.outbox.supersede(Frame::single(Service::ErrorControl.id(self.node_id), byte));
     }
 
-    /// Messages that were held back go out in the states that have emergency messages.
-    fn send_waiting_emergencies(&mut self) {
-        if self.state.serves_sdo() {
-            self.send_due_emergencies();
-        }
-    }
-
-    #[inline(never)]
-    fn send_due_emergencies(&mut self) {
-        while let Some(frame) = self.emergencies.take_due(self.now) {
-            self.outbox.push_once(frame);
-        }
-    }
-
     fn transmit_due(&mut self) {
         self.tpdos.transmit_due(self.now, &self.values, &mut self.outbox);
-    }
-
-    /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
-    /// PDOs.
-    fn note_change(&mut self, slot: Slot) {
-        self.note_value(slot);
-        match self.values.dictionary().row(slot) {
-            Some(row) if row.id().index < 0x2000 => self.follow_parameter(row.id()),
-            Some(_) | None => {}
-        }
-    }
-
-    /// Acts on what a master wrote, before the frame that came too early for it.
-    #[inline(never)]
-    fn catch_up(&mut self, frame: &Frame, application: &mut impl Application) {
-        self.follow_master();
-        self.handle_frame(self.now, frame, application);
-    }
-
-    /// Acts on what a master wrote, if that has not been done.
-    #[inline(never)]
-    fn follow_master(&mut self) {
-        if let Some(slot) = self.configured.take() {
-            self.note_change(slot);
-        }
-    }
-
-    /// Marks the PDOs that follow a changed value.
-    fn note_value(&mut self, slot: Slot) {
-        if self.tpdos.may_follow(slot) {
-            self.tpdos.note_change(slot);
-            self.wake_for_pdos();
-        }
-    }
-
-    /// Takes all values over that services follow, as if they had been written. A service reads all
-    /// of its objects at once, and so do PDOs; only monitored producers have an entry each.
-    fn configure(&mut self) {
-        for (slot, row) in self.values.dictionary().slots() {
-            if row.id().sub <= 1 || row.id().index == heartbeat::CONSUMER_TIME {
-                self.note_change(slot);
-            }
-        }
-        (self.has_news, self.filters_changed) = (false, false);
-    }
-
-    #[inline(never)]
-    fn follow_parameter(&mut self, object: ObjectId) {
-        match object.index {
-            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(),
-            0x1012 => {
-                self.time = time::consumed(&self.values);
-                self.change_filters();
-            }
-            0x100C | 0x100D => {
-                self.guarded.reread(&self.values);
-                self.update_error_register();
-            }
-            HEARTBEAT_TIME => {
-                self.heartbeat.set_period_ms(number(&self.values, HEARTBEAT_TIME, 0));
-                if self.heartbeat.is_on() {
-                    self.guarded.stop();
-                    self.update_error_register();
-                }
-                match self.state {
-                    State::Initialising => {}
-                    State::PreOperational | State::Operational | State::Stopped => {
-                        self.heartbeat.restart(self.now);
-                    }
-                }
-            }
-            heartbeat::CONSUMER_TIME => {
-                if self.monitored.reread(object.sub, &self.values) {
-                    self.change_filters();
-                }
-                self.update_error_register();
-            }
-            0x1014 | 0x1015 => self.emergencies.reread(self.now, &self.values),
-            index @ 0x1400..=0x17FF => self.reread_rpdo(index),
-            index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
-            _ => {}
-        }
-        self.schedule();
-    }
-
-    fn reread_sync(&mut self) {
-        let before = self.sync.id();
-        self.sync.reread(&self.values);
-        if self.state.serves_sdo() {
-            self.sync.start(self.now);
-        }
-        if self.sync.id() != before {
-            self.change_filters();
-        }
-    }
-
-    fn change_filters(&mut self) {
-        (self.has_news, self.filters_changed) = (true, true);
-        match self.state {
-            State::Initialising => {}
-            State::PreOperational | State::Operational | State::Stopped => self.listen(),
-        }
-    }
-
-    fn listen(&mut self) {
-        let mut screen = Screen::CLOSED;
-        self.accepts().for_each(|accepted| screen.open(accepted.id));
-        self.screen = screen;
-    }
-
-    fn reread_rpdo(&mut self, index: u16) {
-        if self.rpdos.reread(index, &self.values) {
-            self.change_filters();
-        }
-    }
-
-    fn reread_tpdo(&mut self, index: u16) {
-        if self.tpdos.reread(self.now, index, &self.values, &self.settings.pdo) {
-            self.change_filters();
-        }
-        if self.state == State::Operational {
-            self.tpdos.start(self.now);
-        }
-    }
-
-    fn emergency_due_at(&self) -> Deadline {
-        if self.state.serves_sdo() { self.emergencies.due_at() } else { Deadline::NEVER }
     }
 
     /// Something is due at `deadline`.

@@ -1,0 +1,130 @@
+//! What written values bring about: services take their objects over, and PDOs become due.
+
+use object_dictionary::{ObjectId, Slot};
+
+use super::Node;
+use crate::acceptance::Screen;
+use crate::heartbeat;
+use crate::nmt::State;
+use crate::parameter::number;
+use crate::time;
+
+const HEARTBEAT_TIME: u16 = 0x1017;
+
+impl<const LEN: usize> Node<LEN> {
+    /// Takes all values over that services follow, as if they had been written. A service reads all
+    /// of its objects at once, and so do PDOs; only monitored producers have an entry each.
+    pub(super) fn configure(&mut self) {
+        for (slot, row) in self.values.dictionary().slots() {
+            if row.id().sub <= 1 || row.id().index == heartbeat::CONSUMER_TIME {
+                self.note_change(slot);
+            }
+        }
+        (self.has_news, self.filters_changed) = (false, false);
+    }
+
+    /// Acts on a changed value: on the stack's own objects at once, on mapped ones by marking their
+    /// PDOs.
+    pub(super) fn note_change(&mut self, slot: Slot) {
+        self.note_value(slot);
+        match self.values.dictionary().row(slot) {
+            Some(row) if row.id().index < 0x2000 => self.follow_parameter(row.id()),
+            Some(_) | None => {}
+        }
+    }
+
+    /// Marks the PDOs that follow a changed value.
+    pub(super) fn note_value(&mut self, slot: Slot) {
+        if self.tpdos.may_follow(slot) {
+            self.tpdos.note_change(slot);
+            self.wake_for_pdos();
+        }
+    }
+
+    /// Acts on what a master wrote, if that has not been done.
+    #[inline(never)]
+    pub(super) fn follow_master(&mut self) {
+        if let Some(slot) = self.configured.take() {
+            self.note_change(slot);
+        }
+    }
+
+    #[inline(never)]
+    fn follow_parameter(&mut self, object: ObjectId) {
+        match object.index {
+            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(),
+            0x1012 => {
+                self.time = time::consumed(&self.values);
+                self.change_filters();
+            }
+            0x100C | 0x100D => {
+                self.guarded.reread(&self.values);
+                self.update_error_register();
+            }
+            HEARTBEAT_TIME => {
+                self.heartbeat.set_period_ms(number(&self.values, HEARTBEAT_TIME, 0));
+                if self.heartbeat.is_on() {
+                    self.guarded.stop();
+                    self.update_error_register();
+                }
+                match self.state {
+                    State::Initialising => {}
+                    State::PreOperational | State::Operational | State::Stopped => {
+                        self.heartbeat.restart(self.now);
+                    }
+                }
+            }
+            heartbeat::CONSUMER_TIME => {
+                if self.monitored.reread(object.sub, &self.values) {
+                    self.change_filters();
+                }
+                self.update_error_register();
+            }
+            0x1014 | 0x1015 => self.emergencies.reread(self.now, &self.values),
+            index @ 0x1400..=0x17FF => self.reread_rpdo(index),
+            index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
+            _ => {}
+        }
+        self.schedule();
+    }
+
+    fn reread_sync(&mut self) {
+        let before = self.sync.id();
+        self.sync.reread(&self.values);
+        if self.state.serves_sdo() {
+            self.sync.start(self.now);
+        }
+        if self.sync.id() != before {
+            self.change_filters();
+        }
+    }
+
+    fn reread_rpdo(&mut self, index: u16) {
+        if self.rpdos.reread(index, &self.values) {
+            self.change_filters();
+        }
+    }
+
+    fn reread_tpdo(&mut self, index: u16) {
+        if self.tpdos.reread(self.now, index, &self.values, &self.settings.pdo) {
+            self.change_filters();
+        }
+        if self.state == State::Operational {
+            self.tpdos.start(self.now);
+        }
+    }
+
+    fn change_filters(&mut self) {
+        (self.has_news, self.filters_changed) = (true, true);
+        match self.state {
+            State::Initialising => {}
+            State::PreOperational | State::Operational | State::Stopped => self.listen(),
+        }
+    }
+
+    pub(super) fn listen(&mut self) {
+        let mut screen = Screen::CLOSED;
+        self.accepts().for_each(|accepted| screen.open(accepted.id));
+        self.screen = screen;
+    }
+}
