@@ -1,7 +1,7 @@
 //! DEV1 on the stack of this repository.
 
-use canopen::{Application, CanId, Event, Frame, Node, WriteError, lss};
-use dev1::{DICTIONARY, Device, LEN};
+use canopen::{Application, CanId, Event, Frame, Node, NodeId, WriteError, lss};
+use dev1::{DICTIONARY, Device, LEN, NODE_ID};
 use object_dictionary::{ObjectId, Row, Slot};
 use units::Instant;
 
@@ -32,7 +32,7 @@ impl<D: Application + Default> Stack for Spindle<D> {
     type Frame = Frame;
 
     fn new() -> Self {
-        Self { node: dev1::node(), device: D::default() }
+        Self { node: dev1::node(NODE_ID), device: D::default() }
     }
 
     fn start(&mut self) {
@@ -88,6 +88,14 @@ impl<D: Application + Default> Spindle<D> {
         self.node.boot(now);
     }
 
+    fn restart(&mut self, now: Instant, node_id: Option<NodeId>) {
+        self.node = dev1::node(node_id.unwrap_or(NODE_ID));
+        match node_id {
+            Some(_) => self.boot(now),
+            None => self.node.wait_for_node_id(),
+        }
+    }
+
     fn drain(&mut self, now: Instant, bus: &impl Bus) {
         while let Some(event) = self.node.poll_event() {
             self.follow(now, event);
@@ -105,10 +113,9 @@ impl<D: Application + Default> Spindle<D> {
     #[expect(clippy::wildcard_enum_match_arm, reason = "nothing else asks for anything")]
     fn follow(&mut self, now: Instant, event: Event) {
         match event {
-            Event::ResetNode | Event::ResetCommunication => {
-                self.node = dev1::node();
-                self.boot(now);
-            }
+            Event::ResetNode => self.restart(now, Some(NODE_ID)),
+            Event::ResetCommunication => self.restart(now, self.node.pending_node_id()),
+            Event::Lss(lss::Event::Configured { node_id }) => self.restart(now, Some(node_id)),
             Event::Store { .. } | Event::Restore { .. } => {
                 self.node.handle_stored(Err(WriteError::NotStored));
             }

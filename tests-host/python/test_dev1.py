@@ -7,8 +7,11 @@ from canopen.objectdictionary import ODRecord, ODVariable, datatypes
 import conftest
 
 NODE_ID = 0x10
+IDENTITY = [0x1234, 2, 3, 4]
 BLOCK = 0x2000
 BLOCK_LEN = 64
+NODE_ID_NONE = 0xFF
+SCAN_TIME_MAX_S = 1
 U8, U16, U32 = datatypes.UNSIGNED8, datatypes.UNSIGNED16, datatypes.UNSIGNED32
 
 
@@ -152,3 +155,27 @@ def test_emergencies(network, node):
     node.emcy.add_callback(received)
     network.send_message(0x200 + NODE_ID, b"\1")
     assert received.next().code == 0x8210
+
+
+def test_layer_settings(network, node):
+    """Selected by its identity, it loses its node-ID; then fastscan finds it, and it gets another."""
+    other_id = 0x21
+    lss = network.lss
+    network.subscribe(0x700 + other_id, boot_up := conftest.Messages())
+    assert lss.send_switch_state_selective(*IDENTITY)
+    assert lss.inquire_node_id() == NODE_ID
+    lss.configure_node_id(NODE_ID_NONE)
+    lss.send_switch_state_global(lss.WAITING_STATE)
+    node.nmt.state = "RESET COMMUNICATION"
+    # What does not answer a question of the scan is waited for.
+    lss.RESPONSE_TIMEOUT = SCAN_TIME_MAX_S
+    assert lss.fast_scan() == (True, IDENTITY)
+    lss.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
+    assert lss.inquire_node_id() == NODE_ID_NONE
+    lss.configure_node_id(other_id)
+    with pytest.raises(canopen.lss.LssError):
+        lss.store_configuration()
+    lss.send_switch_state_global(lss.WAITING_STATE)
+    boot_up.next()
+    found = network.add_node(remote_node(other_id))
+    assert found.sdo.upload(0x1018, 4) == (4).to_bytes(4, "little")

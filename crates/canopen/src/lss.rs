@@ -1,8 +1,8 @@
 //! Layer setting services, CiA 305: node-ID and bit rate over the bus itself.
 //!
 //! [`Slave`] is the whole machine: frames in, answers and events out. A [`Node`](crate::Node) whose
-//! settings ask for it runs one; a device without a node-ID has no node yet and runs the slave
-//! alone. What is stored, and when a bit rate is switched, is up to the core above.
+//! settings ask for it runs one, also as long as the device has no node-ID. What is stored, and when a
+//! bit rate is switched, is up to the core above.
 //!
 //! | Service | Command | Answer |
 //! |---|---|---|

@@ -199,10 +199,7 @@ impl<const LEN: usize> Node<LEN> {
             return;
         }
         self.now = now;
-        self.lss = self
-            .settings
-            .lss
-            .map(|settings| lss::Slave::new(settings, self.identity(), Some(self.node_id)));
+        self.start_lss(Some(self.node_id));
         self.send_error_control(State::Initialising.heartbeat_byte());
         self.heartbeat.start(now);
         self.enter(State::PreOperational);
@@ -212,6 +209,14 @@ impl<const LEN: usize> Node<LEN> {
         }
         self.transmit_due();
         self.schedule();
+    }
+
+    /// In place of [`Self::boot`] for a device whose node-ID was taken away (CiA 305): it listens to
+    /// layer setting services alone, until [`lss::Event::Configured`] says which node to build and to
+    /// boot.
+    pub fn wait_for_node_id(&mut self) {
+        self.start_lss(None);
+        self.screen.open(lss::REQUEST);
     }
 
     /// Takes a received frame in. What a master writes to an object of the communication is answered
@@ -464,10 +469,15 @@ impl<const LEN: usize> Node<LEN> {
         }
     }
 
+    fn start_lss(&mut self, node_id: Option<NodeId>) {
+        let identity = self.identity();
+        self.lss = self.settings.lss.map(|settings| lss::Slave::new(settings, identity, node_id));
+    }
+
     /// None for a node that is silent and deaf.
     fn lss_slave(&mut self) -> Option<&mut lss::Slave> {
-        let is_up = self.state != State::Initialising;
-        self.lss.as_mut().filter(|_| is_up)
+        let listens = self.screen.passes(lss::REQUEST);
+        self.lss.as_mut().filter(|_| listens)
     }
 
     /// One segment of a block waits for a mailbox at a time: a block may have more of them than

@@ -188,10 +188,10 @@ object_dictionary::product! {
     OUT8_COUNT, OUT8_1, OUT8_2, OUT8_3, OUT8_4, OUT8_5, OUT8_6, OUT8_7, OUT8_8,
 }
 
-/// The device at delivery, before its boot-up message.
+/// The device with everything but its node-ID as at delivery, before its boot-up message.
 #[must_use]
-pub fn node() -> Node<LEN> {
-    Node::new(&DICTIONARY, NODE_ID, &SETTINGS)
+pub fn node(node_id: NodeId) -> Node<LEN> {
+    Node::new(&DICTIONARY, node_id, &SETTINGS)
 }
 
 /// What stands behind the dictionary: the block of bytes.

@@ -20,7 +20,7 @@ impl Reference {
     /// With supply, at delivery.
     pub(crate) fn new() -> Self {
         let mut reference = Self {
-            node: dev1::node(),
+            node: dev1::node(dev1::NODE_ID),
             device: Device::new(),
             now: Instant::ZERO,
             memory: Vec::new(),
@@ -105,7 +105,7 @@ impl Reference {
     }
 
     fn restart(&mut self) {
-        self.node = dev1::node();
+        self.node = dev1::node(dev1::NODE_ID);
         for &(slot, raw) in &self.memory {
             self.node.set_value(self.now, slot, raw);
         }

@@ -1,6 +1,8 @@
+use canopen::{Settings, lss};
 use expect_test::expect;
 
-use crate::{check, device};
+use crate::script::transcript;
+use crate::{check, configurable, device};
 
 /// NM17x BOOT-03, NMT-03.
 #[test]
@@ -228,4 +230,45 @@ fn a_new_sync_identifier_changes_the_filters() {
     let slot = crate::device::DICTIONARY.find(sync).unwrap();
     node.set_value(units::Instant::ZERO, slot, 0x90);
     assert_eq!(accepted(&node), [0x000, 0x090, 0x67F, 0x201, 0x37F, 0x301]);
+}
+
+/// CiA 305: a device whose node-ID was taken away listens to layer setting services, and
+/// to nothing else until it has another.
+#[test]
+fn a_node_waits_for_its_node_id() {
+    static SETTINGS: Settings =
+        Settings { lss: Some(&lss::Settings::CIA_305), ..Settings::CIA_301 };
+    let transcript = transcript(
+        configurable::node(&SETTINGS),
+        &mut (),
+        "
+        0 wait
+        1 < 000 01 00
+        2 < 605 40 00 10 00 00 00 00 00
+        3 remote 705 1
+        4 < 7E5 4C 00 00 00 00 00 00 00
+        5 < 7E5 04 01 00 00 00 00 00 00
+        6 < 7E5 5E 00 00 00 00 00 00 00
+        7 < 7E5 11 2A 00 00 00 00 00 00
+        8 < 7E5 17 00 00 00 00 00 00 00
+        9 < 7E5 04 00 00 00 00 00 00 00
+        ",
+    );
+    expect![[r#"
+        0001 < 000 [2] 01 00
+        0002 < 605 [8] 40 00 10 00 00 00 00 00
+        0003 < 705 [1] remote
+        0004 < 7E5 [8] 4C 00 00 00 00 00 00 00
+        0004 > 7E4 [8] 50 00 00 00 00 00 00 00
+        0005 < 7E5 [8] 04 01 00 00 00 00 00 00
+        0006 < 7E5 [8] 5E 00 00 00 00 00 00 00
+        0006 > 7E4 [8] 5E FF 00 00 00 00 00 00
+        0007 < 7E5 [8] 11 2A 00 00 00 00 00 00
+        0007 > 7E4 [8] 11 00 00 00 00 00 00 00
+        0008 < 7E5 [8] 17 00 00 00 00 00 00 00
+        0008 * Lss(Store { node_id: Some(NodeId(42)), bit_rate: None })
+        0009 < 7E5 [8] 04 00 00 00 00 00 00 00
+        0009 * Lss(Configured { node_id: NodeId(42) })
+    "#]]
+    .assert_eq(&transcript);
 }

@@ -1,8 +1,8 @@
 //! Runs a node through a script and writes down everything it does.
 //!
-//! A script has one step a line: `MS boot`, `MS < ID BYTES`, `MS remote ID LEN`,
-//! `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`, `MS emergency CODE SUB-CODE`, `MS bus STATE`,
-//! `MS overrun`, `MS trigger PDO`, `MS stored`, `MS not stored`, `MS end`. Between the steps the
+//! A script has one step a line: `MS boot`, `MS wait` for a node-ID, `MS < ID BYTES`,
+//! `MS remote ID LEN`, `MS set INDEX:SUB VALUE …`, `MS errors REGISTER`,
+//! `MS emergency CODE SUB-CODE`, `MS bus STATE`, `MS overrun`, `MS trigger PDO`, `MS stored`, `MS not stored`, `MS end`. Between the steps the
 //! clock jumps from deadline to deadline. The transcript has `<` for what the node receives, `>` for
 //! what it sends and `*` for its events; a frame is written as ID, length and bytes.
 
@@ -54,6 +54,7 @@ impl<A: Application, const LEN: usize> Run<'_, A, LEN> {
         let (verb, rest) = step.split_once(' ').unwrap_or((step, ""));
         match verb {
             "boot" => self.node.boot(self.now),
+            "wait" => self.node.wait_for_node_id(),
             "<" => {
                 let (id, data) = rest.split_once(' ').unwrap_or((rest, ""));
                 let data: Vec<u8> = data.split_whitespace().map(hex).collect();
