@@ -484,11 +484,9 @@ impl<const LEN: usize> Node<LEN> {
     /// frames can wait.
     #[inline(never)]
     fn send_segment(&mut self) {
-        let id = Service::SdoResponse.id(self.node_id);
-        if !self.outbox.holds(id)
-            && let Some(segment) = self.sdo.next_segment()
-        {
-            self.outbox.push(Frame::full(id, segment.to_bytes()));
+        if !self.outbox.holds(Service::SdoResponse.id(self.node_id)) {
+            self.sdo.send_segment();
+            self.answer();
         }
     }
 

@@ -149,9 +149,14 @@ impl Server {
         self.transfer.as_ref().is_some_and(|transfer| transfer.step == Step::BlockUpload)
     }
 
-    /// The next segment of a block on its way to the client, as soon as there is room for it. `None`
-    /// when the client has to say something.
-    pub(crate) fn next_segment(&mut self) -> Option<Message> {
+    /// Answers with the next segment of a block on its way to the client, as soon as there is room for
+    /// it.
+    pub(crate) fn send_segment(&mut self) {
+        self.answer = self.next_segment();
+    }
+
+    /// `None` when the client has to say something.
+    fn next_segment(&mut self) -> Option<Message> {
         let transfer = going_on(&mut self.transfer, Step::BlockUpload).ok()?;
         let rest = self.value.get(next_from(transfer, self.value.len())?..)?;
         let last = if rest.len() <= SEGMENT_LEN { LAST } else { 0 };

@@ -4,7 +4,7 @@ use object_dictionary::{
 };
 
 use super::abort::AbortCode;
-use super::message::{size, word};
+use super::message::word;
 use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
@@ -158,12 +158,13 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// bytes as indicated.
     pub(super) fn check_other_len(
         &self,
-        row: &Row,
+        entry: Entry,
         indicated: Option<u32>,
         data: u32,
     ) -> Result<(), AbortCode> {
         let (expedited, codes) = (self.settings.expedited, &self.settings.abort_codes);
-        let (len, is_text) = (size(row.data_type().len()), row.data_type().is_text());
+        let Entry { row, len, .. } = entry;
+        let (len, is_text) = (u32::from(len), row.data_type().is_text());
         let fits = match (expedited, indicated) {
             (Expedited::FourOnly, indicated) => indicated == Some(4) && (len == 4 || !is_text),
             (Expedited::LongerToo, Some(indicated)) => indicated >= len,

@@ -31,7 +31,7 @@ const SIZE_INDICATED: u8 = 1;
 /// time.
 ///
 /// Every request gets one answer: a response or an abort; in a block transfer the segments that
-/// [`Self::next_segment`] has, or one answer to the block. The client's own abort and frames
+/// [`Self::send_segment`] has, or one answer to the block. The client's own abort and frames
 /// shorter than their command announces get none. A new initiate request in the middle of a
 /// transfer takes its place.
 ///
@@ -244,7 +244,7 @@ impl Server {
             if indicated.is_none() && room < len && len <= 4 {
                 return Ok(());
             }
-            objects.check_other_len(entry.row, indicated, request.data())?;
+            objects.check_other_len(entry, indicated, request.data())?;
         }
         if entry.row.data_type().is_text() {
             let data = request.data().to_le_bytes();
