@@ -555,7 +555,7 @@ impl<const LEN: usize> Node<LEN> {
             self.outbox.retain(&mut |frame| match to {
                 State::PreOperational | State::Operational => !tpdos.send(frame.id()),
                 State::Stopped | State::Initialising => {
-                    [error_control, lss::RESPONSE].contains(&frame.id())
+                    frame.id() == error_control || frame.id() == lss::RESPONSE
                 }
             });
         }

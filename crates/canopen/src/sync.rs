@@ -189,22 +189,20 @@ pub(crate) fn check<const LEN: usize>(
     raw: u32,
 ) -> Result<(), AbortCode> {
     const OVERFLOW_MAX: u32 = 240;
-    let value = |index| parameter(values, index, 0);
     match object.index {
         COB_ID => {
-            let (before, after) =
-                (CobId::from_raw(number(values, COB_ID, 0)), CobId::from_raw(raw));
-            let is_able = !after.generates() || value(PERIOD).is_some();
-            let stays =
-                !(before.generates() && after.generates()) || before.can_id() == after.can_id();
-            if after.suits_sync() && is_able && stays {
+            let before = CobId::from_raw(number(values, COB_ID, 0));
+            let after = CobId::from_raw(raw);
+            let moves = before.generates() && before.can_id() != after.can_id();
+            let is_able = parameter(values, PERIOD, 0).is_some() && !moves;
+            if after.suits_sync() && (is_able || !after.generates()) {
                 Ok(())
             } else {
                 Err(AbortCode::VALUE_RANGE)
             }
         }
         OVERFLOW if raw == 1 || raw > OVERFLOW_MAX => Err(AbortCode::VALUE_RANGE),
-        OVERFLOW if value(PERIOD).is_some_and(|period| period != 0) => Err(AbortCode::DEVICE_STATE),
+        OVERFLOW if number(values, PERIOD, 0) != 0 => Err(AbortCode::DEVICE_STATE),
         _ => Ok(()),
     }
 }

@@ -175,7 +175,7 @@ impl<const LEN: usize> Node<LEN> {
             return self.handle_rare(frame);
         };
         if let Some(fault) = outcome.fault {
-            self.say(&fault.emergency(&self.settings.receive_errors));
+            self.say(fault.emergency(&self.settings.receive_errors));
         }
         if outcome.goes_on {
             self.follow_values();
