@@ -1,6 +1,6 @@
 use super::abort::AbortCode;
 use super::message::{Message, SEGMENT_LEN, segment, size};
-use super::objects::{Entry, Objects};
+use super::objects::{Entry, Objects, Purpose};
 use super::server::Server;
 use super::transfer::{Step, Transfer, going_on};
 use crate::application::Application;
@@ -34,7 +34,7 @@ impl Server {
         match command & 3 {
             0 => {
                 self.transfer = None;
-                let entry = objects.readable(request.object())?;
+                let entry = objects.find(request.object(), Purpose::Read)?;
                 let [block_len, threshold, ..] = request.data().to_le_bytes();
                 check_block_len(block_len)?;
                 objects.load(entry, &mut self.value)?;

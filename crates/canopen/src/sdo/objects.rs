@@ -67,6 +67,13 @@ pub(super) struct Entry {
     pub(super) len: u8,
 }
 
+/// What a client wants of an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    Read,
+    Write,
+}
+
 impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     pub(crate) fn new(
         values: &'a mut Values<LEN>,
@@ -90,27 +97,33 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         self.settings
     }
 
-    /// The entry, if it may be read now.
+    /// The entry, if it may be read or written now.
     #[inline]
-    pub(super) fn readable(&mut self, object: ObjectId) -> Result<Entry, AbortCode> {
-        let entry = self.find(object)?;
-        match entry.row.access() {
+    pub(super) fn find(&mut self, object: ObjectId, to: Purpose) -> Result<Entry, AbortCode> {
+        let dictionary = self.values.dictionary();
+        let slot = dictionary.find(object).map_err(|missing| match missing {
+            Missing::Object => AbortCode::NO_OBJECT,
+            Missing::SubIndex => AbortCode::NO_SUB_INDEX,
+        })?;
+        let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
+        match to {
+            Purpose::Read => self.check_readable(slot, row)?,
+            Purpose::Write => self.check_writable(row)?,
+        }
+        let [len, ..] = row.data_type().len().to_le_bytes();
+        Ok(Entry { slot, row, len })
+    }
+
+    fn check_readable(&mut self, slot: Slot, row: &Row) -> Result<(), AbortCode> {
+        match row.access() {
             Access::ReadOnly | Access::ReadWrite => {}
             Access::WriteOnly => return Err(AbortCode::WRITE_ONLY),
         }
-        if object.index == emcy::HISTORY && self.is_empty_error(object.sub) {
+        let ObjectId { index, sub } = row.id();
+        if index == emcy::HISTORY && self.is_empty_error(sub) {
             return Err(AbortCode::NO_DATA);
         }
-        self.application.read(entry.slot, entry.row).map_err(AbortCode::of_read)?;
-        Ok(entry)
-    }
-
-    /// The entry, if it may be written now.
-    #[inline]
-    pub(super) fn writable(&self, object: ObjectId) -> Result<Entry, AbortCode> {
-        let entry = self.find(object)?;
-        self.check_access(entry.row)?;
-        Ok(entry)
+        self.application.read(slot, row).map_err(AbortCode::of_read)
     }
 
     /// The number at an entry, in 32 bits.
@@ -190,7 +203,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// Writes a value after the remaining checks.
     pub(super) fn write(&mut self, entry: Entry, bytes: &[u8]) -> Result<(), AbortCode> {
         let Entry { slot, row, len } = entry;
-        self.check_access(row)?;
+        self.check_writable(row)?;
         if bytes.len() != usize::from(len) {
             return Err(self.length_code(row));
         }
@@ -236,7 +249,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// Whether a master may write the entry, now and with SDO.
-    fn check_access(&self, row: &Row) -> Result<(), AbortCode> {
+    fn check_writable(&self, row: &Row) -> Result<(), AbortCode> {
         match (row.access(), row.write_state()) {
             (_, WriteState::NotWithSdo) => Err(AbortCode::UNSUPPORTED_ACCESS),
             (Access::ReadOnly, _) => Err(AbortCode::READ_ONLY),
@@ -255,17 +268,6 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// Whether an entry of the pre-defined error field holds no error.
     fn is_empty_error(&self, sub: u8) -> bool {
         parameter(self.values, emcy::HISTORY, 0).is_some_and(|count| u32::from(sub) > count)
-    }
-
-    fn find(&self, object: ObjectId) -> Result<Entry, AbortCode> {
-        let dictionary = self.values.dictionary();
-        let slot = dictionary.find(object).map_err(|missing| match missing {
-            Missing::Object => AbortCode::NO_OBJECT,
-            Missing::SubIndex => AbortCode::NO_SUB_INDEX,
-        })?;
-        let row = dictionary.row(slot).ok_or(AbortCode::NO_OBJECT)?;
-        let [len, ..] = row.data_type().len().to_le_bytes();
-        Ok(Entry { slot, row, len })
     }
 
     /// Whether the stack can act on this value of an object of the communication.

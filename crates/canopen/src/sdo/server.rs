@@ -6,7 +6,7 @@ use units::Instant;
 
 use super::abort::AbortCode;
 use super::message::{Message, size, word};
-use super::objects::{Effect, Entry, Objects, VALUE_MAX};
+use super::objects::{Effect, Entry, Objects, Purpose, VALUE_MAX};
 use super::transfer::{Step, Transfer};
 use crate::application::{Application, WriteError};
 use crate::frame::Frame;
@@ -184,7 +184,7 @@ impl Server {
         objects: &mut Objects<'_, A, LEN>,
     ) -> Result<(), AbortCode> {
         self.transfer = None;
-        let entry = objects.readable(request.object())?;
+        let entry = objects.find(request.object(), Purpose::Read)?;
         let expedited = objects.settings().expedited;
         if entry.row.data_type().is_text() {
             objects.load(entry, &mut self.value)?;
@@ -237,7 +237,7 @@ impl Server {
         if indicated == Some(3) && expedited == Expedited::OneTwoOrFour {
             return Err(AbortCode::UNKNOWN_COMMAND);
         }
-        let entry = objects.writable(request.object())?;
+        let entry = objects.find(request.object(), Purpose::Write)?;
         let len = u32::from(entry.len);
         if indicated != Some(len) || expedited == Expedited::FourOnly {
             let room = u32::from(frame_len.saturating_sub(HEAD_LEN));
@@ -261,10 +261,10 @@ impl Server {
         request: Message,
         has_size: bool,
         step: Step,
-        objects: &Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, LEN>,
     ) -> Result<&mut Transfer, AbortCode> {
         self.transfer = None;
-        let entry = objects.writable(request.object())?;
+        let entry = objects.find(request.object(), Purpose::Write)?;
         if has_size && request.data() != u32::from(entry.len) {
             return Err(objects.length_code(entry.row));
         }
