@@ -72,20 +72,21 @@ impl Producer {
         values: &mut Values<LEN>,
         settings: &Settings,
     ) {
-        if error_code != ERROR_RESET {
-            record(values, settings.additional_information.entry(error_code, manufacturer));
-        }
         let [low, high] = error_code.to_le_bytes();
         let [a, b, c, d, e] = manufacturer;
         let register = number(values, ERROR_REGISTER, 0);
         let [register, ..] = register.to_le_bytes();
+        let message = [low, high, register, a, b, c, d, e];
+        if error_code != ERROR_RESET {
+            record(values, settings.additional_information.entry(message));
+        }
         if self.id == CanId::NONE {
             return;
         }
         if self.waiting.is_full() {
             self.waiting.pop_front();
         }
-        let _ = self.waiting.push_back([low, high, register, a, b, c, d, e]);
+        let _ = self.waiting.push_back(message);
     }
 
     /// Whether messages never wait for each other.
@@ -114,14 +115,15 @@ impl Producer {
 }
 
 impl AdditionalInformation {
-    /// An entry of the pre-defined error field.
-    const fn entry(self, error_code: u16, manufacturer: [u8; 5]) -> u32 {
-        let [low, high] = error_code.to_le_bytes();
-        let [first, second, _, _, last] = manufacturer;
-        match self {
-            Self::FirstTwoBytes => u32::from_le_bytes([low, high, first, second]),
-            Self::LastByte => u32::from_le_bytes([low, high, last, 0]),
-        }
+    /// An entry of the pre-defined error field for an emergency message.
+    const fn entry(self, [low, high, register, first, second, _, _, last]: [u8; 8]) -> u32 {
+        let (third, fourth) = match self {
+            Self::None => (0, 0),
+            Self::FirstTwoBytes => (first, second),
+            Self::LastByte => (last, 0),
+            Self::RegisterAndFirstByte => (register, first),
+        };
+        u32::from_le_bytes([low, high, third, fourth])
     }
 }
 

@@ -167,10 +167,14 @@ pub struct Emergency {
 /// What an entry of the pre-defined error field holds in bits 31 to 16, besides the error code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AdditionalInformation {
+    /// Nothing.
+    None,
     /// The first two of the maker's bytes.
     FirstTwoBytes,
     /// The last of the maker's bytes, in bits 23 to 16.
     LastByte,
+    /// The error register and the first of the maker's bytes, as the message has them.
+    RegisterAndFirstByte,
 }
 
 /// Whether clients may transfer values in blocks (CiA 301 leaves it to the product).

@@ -22,7 +22,7 @@ const TURNS: u32 = 7_281;
 /// Set by keys only (AP04 AP-GEN-04).
 pub(crate) const BIT_RATE: u32 = 250_000;
 
-/// AP04 AP-SDO-02, AP-SDO-06, AP-PDO-02, AP-PDO-05, AP-EMCY-03, A-32, A-33, A-35, A-45, A-72.
+/// AP04 AP-SDO-02, AP-SDO-06, AP-PDO-02, AP-PDO-05, AP-EMCY-03, A-32, A-33, A-35, A-42, A-45, A-72.
 pub(crate) static SETTINGS: Settings = Settings {
     pdo: PdoRules {
         type_254: Trigger::Timer,
@@ -48,7 +48,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         overflow: None,
         off: BusOff::NoReason,
     },
-    additional_information: AdditionalInformation::FirstTwoBytes,
+    additional_information: AdditionalInformation::RegisterAndFirstByte,
     abort_codes: AbortCodes {
         number_length: AbortCode::LENGTH_MISMATCH,
         text_length: AbortCode::LENGTH_MISMATCH,

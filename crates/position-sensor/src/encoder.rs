@@ -18,7 +18,7 @@ use profiles::encoder::{
 
 use crate::family::{Present, View};
 
-/// Encoder EN-SDO-02 to EN-SDO-05, EN-PDO-02, B-11, B-15, B-21, B-32, B-33, B-69.
+/// Encoder EN-SDO-02 to EN-SDO-05, EN-PDO-02, B-11, B-15, B-21, B-28, B-32, B-33, B-69.
 pub(crate) static SETTINGS: Settings = Settings {
     pdo: PdoRules {
         type_254: Trigger::Timer,
@@ -44,7 +44,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         off: BusOff::NoReason,
     },
     error_behaviour: ErrorBehaviour::InEveryState,
-    additional_information: AdditionalInformation::FirstTwoBytes,
+    additional_information: AdditionalInformation::None,
     abort_codes: AbortCodes {
         number_length: AbortCode::UNSUPPORTED_ACCESS,
         text_length: AbortCode::UNSUPPORTED_ACCESS,

@@ -161,13 +161,15 @@ fn direction_and_scaling() {
     );
 }
 
-/// AP04 A-20, A-22: a position beyond the ends is not sent, and the alarm says so until it is back.
+/// AP04 A-20, A-22, A-42: a position beyond the ends is not sent, and the alarm says so until it is
+/// back; the error field has the first half of the message.
 #[test]
 fn beyond_the_ends() {
     let mut script = Script::new("ap04");
     script.ask(&["23 03 60 00 FF FF 4F 00", "40 04 60 00 00 00 00 00"]).steps(-2);
     script.ask(&["40 04 60 00 00 00 00 00", "40 03 65 00 00 00 00 00", "40 01 10 00 00 00 00 00"]);
     script.steps(0).ask(&["40 03 65 00 00 00 00 00", "40 01 10 00 00 00 00 00"]);
+    script.ask(&["40 03 10 01 00 00 00 00"]);
     check(
         &mut script,
         expect![[r#"
@@ -189,6 +191,8 @@ fn beyond_the_ends() {
             < 581#42 03 65 00 00 00 00 00
             > 601#40 01 10 00 00 00 00 00
             < 581#42 01 10 00 00 00 00 00
+            > 601#40 03 10 01 00 00 00 00
+            < 581#42 03 10 01 20 73 01 01
         "#]],
     );
 }

@@ -327,3 +327,25 @@ fn the_bit_rate_is_activated() {
     "#]],
     );
 }
+
+/// Encoder B-28, B-31: an entry of the error field is the code alone.
+#[test]
+fn a_lost_heartbeat_is_in_the_error_field() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["23 16 10 01 0A 00 02 00"]).send("702#05").run_ms(20);
+    script.ask(&["40 03 10 00 00 00 00 00", "40 03 10 01 00 00 00 00"]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 16 10 01 0A 00 02 00
+        < 581#60 16 10 01 00 00 00 00
+        > 702#05
+        20 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 601#40 03 10 00 00 00 00 00
+        < 581#4F 03 10 00 01 00 00 00
+        > 601#40 03 10 01 00 00 00 00
+        < 581#43 03 10 01 30 81 00 00
+    "#]],
+    );
+}
