@@ -6,7 +6,7 @@ use crate::cob_id::{CobId, NodeId, Service};
 use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
 use crate::parameter::{number, parameter};
-use crate::settings::{AdditionalInformation, Settings};
+use crate::settings::{AdditionalInformation, Emergency, Settings};
 
 /// Messages that may wait for the end of the inhibit time.
 const WAITING_MAX: usize = 8;
@@ -20,11 +20,11 @@ const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
 pub(crate) const HISTORY: u16 = 0x1003;
 
-/// The code that says that all errors are over.
-pub(crate) const ERROR_RESET: u16 = 0x0000;
+/// All errors are over.
+pub(crate) const ERROR_RESET: Emergency = Emergency { code: 0x0000, manufacturer: [0; 5] };
 
 /// A monitored heartbeat, or the master that guards the node, is missing.
-pub(crate) const PARTNER_LOST: u16 = 0x8130;
+pub(crate) const PARTNER_LOST: Emergency = Emergency { code: 0x8130, manufacturer: [0; 5] };
 
 /// The emergency producer (CiA 301, section 7.2.7; objects 0x1003, 0x1014 and 0x1015).
 ///
@@ -67,17 +67,16 @@ impl Producer {
     /// Records an error and takes the message for it. It waits for [`Self::take_due`].
     pub(crate) fn raise<const LEN: usize>(
         &mut self,
-        error_code: u16,
-        manufacturer: [u8; 5],
+        emergency: &Emergency,
         values: &mut Values<LEN>,
         settings: &Settings,
     ) {
-        let [low, high] = error_code.to_le_bytes();
-        let [a, b, c, d, e] = manufacturer;
+        let [low, high] = emergency.code.to_le_bytes();
+        let [a, b, c, d, e] = emergency.manufacturer;
         let register = number(values, ERROR_REGISTER, 0);
         let [register, ..] = register.to_le_bytes();
         let message = [low, high, register, a, b, c, d, e];
-        if error_code != ERROR_RESET {
+        if emergency.code != ERROR_RESET.code {
             record(values, settings.additional_information.entry(message));
         }
         if self.id == CanId::NONE {

@@ -21,7 +21,7 @@ use crate::outbox::Outbox;
 use crate::parameter::number;
 use crate::pdo::{PDO_MAX, Rpdos, Tpdos};
 use crate::sdo;
-use crate::settings::{BusOff, Settings};
+use crate::settings::{BusOff, Emergency, Settings};
 use crate::sync::Sync;
 use crate::time::TimeOfDay;
 use errors::ErrorClass;
@@ -335,7 +335,7 @@ impl<const LEN: usize> Node<LEN> {
     /// present error register. Nothing in a state that has no emergency messages: Initialising and
     /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
-        self.raise(self.state, error_code, manufacturer);
+        self.raise(self.state, &Emergency { code: error_code, manufacturer });
     }
 
     /// What happened, the oldest first.

@@ -90,18 +90,21 @@ impl Consumer {
     }
 }
 
-/// Whether an entry with this value would monitor a producer that another entry monitors already.
+/// Whether this entry of 0x1016 with the value `raw` would monitor a producer that another entry
+/// monitors already.
 pub(crate) fn is_doubled<const LEN: usize>(
     object: ObjectId,
     raw: u32,
     values: &Values<LEN>,
 ) -> bool {
     let Some((producer, _)) = monitored(raw) else { return false };
-    let others = (1..u8::MAX).filter(|&sub| sub != object.sub);
-    object.index == CONSUMER_TIME
-        && others
-            .map_while(|sub| parameter(values, CONSUMER_TIME, sub))
-            .any(|raw| monitored(raw).is_some_and(|(other, _)| other == producer))
+    for sub in 1..u8::MAX {
+        let Some(other) = parameter(values, CONSUMER_TIME, sub) else { break };
+        if sub != object.sub && monitored(other).is_some_and(|(other, _)| other == producer) {
+            return true;
+        }
+    }
+    false
 }
 
 /// Node-ID and milliseconds of an entry. `None` for an entry that is not used.

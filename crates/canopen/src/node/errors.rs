@@ -26,8 +26,8 @@ pub(super) enum ErrorClass {
 impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     pub(super) fn say(&mut self, emergency: &Option<Emergency>) {
-        if let &Some(Emergency { code, manufacturer }) = emergency {
-            self.send_emergency(code, manufacturer);
+        if let Some(emergency) = emergency {
+            self.raise(self.state, emergency);
         }
     }
 
@@ -51,7 +51,7 @@ impl<const LEN: usize> Node<LEN> {
         self.update_error_register();
         let state = self.state;
         self.react(ErrorClass::Communication);
-        self.raise(state, emcy::PARTNER_LOST, [0; 5]);
+        self.raise(state, &emcy::PARTNER_LOST);
     }
 
     pub(super) fn update_error_register(&mut self) {
@@ -62,7 +62,7 @@ impl<const LEN: usize> Node<LEN> {
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
         self.change_value(slot, after);
         if before != 0 && after == 0 {
-            self.send_emergency(emcy::ERROR_RESET, [0; 5]);
+            self.raise(self.state, &emcy::ERROR_RESET);
         }
         if !before & after & MANUFACTURER_ERROR != 0 {
             self.react(ErrorClass::Manufacturer);
@@ -96,12 +96,12 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Takes an error that came in `state`, if that has emergency messages.
     #[inline(never)]
-    pub(super) fn raise(&mut self, state: State, error_code: u16, manufacturer: [u8; 5]) {
+    pub(super) fn raise(&mut self, state: State, emergency: &Emergency) {
         if !state.serves_sdo() {
             return;
         }
         let Self { values, settings, .. } = self;
-        self.emergencies.raise(error_code, manufacturer, values, settings);
+        self.emergencies.raise(emergency, values, settings);
         if self.emergencies.is_uninhibited() && self.state != State::Initialising {
             self.send_due_emergencies();
         }
