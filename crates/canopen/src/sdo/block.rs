@@ -178,12 +178,14 @@ fn check_block_len(block_len: u8) -> Result<(), AbortCode> {
 }
 
 /// The polynomial x^16 + x^12 + x^5 + 1, beginning with zero (CiA 301, section 7.2.4.3.16).
+///
+/// The upper eight bits leave at once, mixed with the byte; where they come back follows from the
+/// terms of the polynomial.
 fn checksum(value: &[u8]) -> u16 {
-    const POLYNOMIAL: u16 = 0x1021;
-    value.iter().fold(0, |crc, &byte| {
-        (0..8).fold(crc ^ u16::from(byte) << 8, |crc, _| {
-            if crc & 1 << 15 == 0 { crc << 1 } else { crc << 1 ^ POLYNOMIAL }
-        })
+    value.iter().fold(0, |crc: u16, &byte| {
+        let out = crc >> 8 ^ u16::from(byte);
+        let out = out ^ out >> 4;
+        crc << 8 ^ out << 12 ^ out << 5 ^ out
     })
 }
 
