@@ -1,7 +1,6 @@
 use core::mem;
 
 use heapless::Vec;
-use object_dictionary::ObjectId;
 use units::Instant;
 
 use super::abort::AbortCode;
@@ -78,8 +77,10 @@ impl Server {
             _ => self.go_on(request, len, objects),
         };
         if let Err(code) = outcome {
-            let object = self.transfer.take().map(|transfer| transfer.entry.row.id());
-            self.abort(object.unwrap_or(request.object()), code);
+            match self.transfer.take() {
+                Some(transfer) => self.abort(transfer, code),
+                None => self.answer = Some(request.answer(ABORT, code.get())),
+            }
         }
         if let Some(transfer) = &mut self.transfer {
             transfer.wait(now);
@@ -118,9 +119,8 @@ impl Server {
         }
     }
 
-    /// Ends a transfer, or refuses to begin one.
-    fn abort(&mut self, object: ObjectId, code: AbortCode) {
-        self.answer = Some(Message::new(ABORT, object, code.get()));
+    fn abort(&mut self, ended: Transfer, code: AbortCode) {
+        self.answer = Some(Message::new(ABORT, ended.entry.row.id(), code.get()));
     }
 
     /// The storage is done with what [`Effect::Store`] or [`Effect::Restore`] asked for.
@@ -132,7 +132,7 @@ impl Server {
             (Ok(()), Storage::Busy { answer }) => self.answer = Some(answer),
             (Err(error), Storage::Busy { .. }) => {
                 let code = AbortCode::of_write(error, &settings.abort_codes);
-                self.abort(transfer.entry.row.id(), code);
+                self.abort(transfer, code);
             }
             (_, Storage::Idle) => {}
         }
@@ -141,8 +141,8 @@ impl Server {
     /// Gives a transfer up that waited too long.
     pub(crate) fn handle_timeout(&mut self, now: Instant, settings: &Settings) {
         let is_late = |transfer: &mut Transfer| transfer.expires_at <= now;
-        if let Some(Transfer { entry, step, .. }) = self.transfer.take_if(is_late) {
-            let code = match step {
+        if let Some(transfer) = self.transfer.take_if(is_late) {
+            let code = match transfer.step {
                 Step::Storage => settings.abort_codes.not_stored,
                 Step::Upload
                 | Step::Download
@@ -152,7 +152,7 @@ impl Server {
                 | Step::BlockDownload
                 | Step::BlockDownloaded => AbortCode::TIMEOUT,
             };
-            self.abort(entry.row.id(), code);
+            self.abort(transfer, code);
         }
     }
 
@@ -284,10 +284,10 @@ impl Server {
         answer: Message,
         objects: &mut Objects<'_, A, LEN>,
     ) -> Result<(), AbortCode> {
-        self.transfer = None;
         match (objects.effect(), self.storage) {
             (Effect::None | Effect::Changed(_) | Effect::Configured(_), _) => {
-                self.answer = Some(answer)
+                self.transfer = None;
+                self.answer = Some(answer);
             }
             (Effect::Store { .. } | Effect::Restore { .. }, Storage::Idle) => {
                 self.storage = Storage::Busy { answer };
