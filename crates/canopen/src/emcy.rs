@@ -14,7 +14,7 @@ const WAITING_MAX: usize = 8;
 /// One step of 0x1015.
 const INHIBIT_UNIT: Duration = Duration::from_micros(100);
 
-const COB_ID: u16 = 0x1014;
+pub(crate) const COB_ID: u16 = 0x1014;
 const INHIBIT_TIME: u16 = 0x1015;
 const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.

@@ -81,7 +81,7 @@ pub use pdo::Mapped;
 pub use sdo::AbortCode;
 pub use settings::{
     AbortCodes, AdditionalInformation, BlockTransfer, BusOff, BusRules, Emergency, ErrorBehaviour,
-    Expedited, PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings,
+    Expedited, Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings,
     SyncDivision, Trigger,
 };
 pub use time::TimeOfDay;

@@ -8,6 +8,8 @@ use crate::sdo::AbortCode;
 pub struct Settings {
     /// How PDOs are configured and sent.
     pub pdo: PdoRules,
+    /// Which identifiers clients may choose.
+    pub identifiers: Identifiers,
     /// Which lengths expedited transfers have.
     pub expedited: Expedited,
     /// The emergency messages about received frames.
@@ -39,8 +41,6 @@ pub struct PdoRules {
     pub remote_requests: RemoteRequests,
     /// When clients may change identifier, inhibit time and SYNC start value.
     pub changes: PdoChanges,
-    /// Which identifiers clients may choose.
-    pub identifiers: PdoIdentifiers,
 }
 
 /// What transmission types 1 to 240 count.
@@ -70,9 +70,10 @@ pub enum PdoChanges {
     AnyTime,
 }
 
-/// Which identifiers of eleven bits clients may choose for a PDO that is switched on.
+/// Which identifiers of eleven bits clients may choose for a PDO that is switched on, for SYNC and for
+/// emergency messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PdoIdentifiers {
+pub enum Identifiers {
     /// All but the restricted ones (CiA 301, section 7.3.5).
     Unrestricted,
     /// All that the row permits.
@@ -216,8 +217,8 @@ impl Settings {
             sync_division: SyncDivision::EveryNth,
             remote_requests: RemoteRequests::AllTypes,
             changes: PdoChanges::WhileOff,
-            identifiers: PdoIdentifiers::Unrestricted,
         },
+        identifiers: Identifiers::Unrestricted,
         expedited: Expedited::AnyLength,
         receive_errors: ReceiveErrors {
             too_short: Some(Emergency { code: 0x8210, manufacturer: [0; 5] }),

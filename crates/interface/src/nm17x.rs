@@ -5,7 +5,7 @@ use canopen::lss::{
 };
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, Emergency, ErrorBehaviour,
-    Expedited, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
+    Expedited, Identifiers, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
 };
 use units::Duration;
 
@@ -19,6 +19,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         changes: PdoChanges::AnyTime,
         ..Settings::CIA_301.pdo
     },
+    identifiers: Identifiers::Unrestricted,
     expedited: Expedited::OneTwoOrFour,
     receive_errors: ReceiveErrors {
         too_short: Some(Emergency { code: 0x8210, manufacturer: [0, 0, 0, 0, 1] }),

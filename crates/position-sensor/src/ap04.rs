@@ -2,7 +2,7 @@
 
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, Emergency, Expedited,
-    PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, SyncDivision,
+    Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings, SyncDivision,
     Trigger,
 };
 use object_dictionary::{Object, ObjectId, Values};
@@ -29,9 +29,9 @@ pub(crate) static SETTINGS: Settings = Settings {
         sync_division: SyncDivision::None,
         remote_requests: RemoteRequests::RemoteTypes,
         changes: PdoChanges::AnyTime,
-        identifiers: PdoIdentifiers::Any,
         ..Settings::CIA_301.pdo
     },
+    identifiers: Identifiers::Any,
     expedited: Expedited::FourOnly,
     receive_errors: ReceiveErrors {
         too_short: None,

@@ -3,7 +3,7 @@
 use canopen::lss::{self, BitRate, Selected, Unconfigured};
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, ErrorBehaviour, Expedited,
-    PdoChanges, PdoIdentifiers, PdoRules, ReceiveErrors, RemoteRequests, Settings, Trigger,
+    Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings, Trigger,
 };
 use object_dictionary::{ObjectId, Values};
 use profiles::OBJECTS_MAX;
@@ -24,9 +24,9 @@ pub(crate) static SETTINGS: Settings = Settings {
         type_254: Trigger::Timer,
         remote_requests: RemoteRequests::RemoteTypes,
         changes: PdoChanges::AnyTime,
-        identifiers: PdoIdentifiers::Any,
         ..Settings::CIA_301.pdo
     },
+    identifiers: Identifiers::Any,
     expedited: Expedited::LongerToo,
     receive_errors: ReceiveErrors {
         too_short: None,

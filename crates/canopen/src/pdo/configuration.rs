@@ -8,13 +8,13 @@ use super::{Direction, MAPPING};
 use crate::cob_id::CobId;
 use crate::parameter::parameter;
 use crate::sdo::AbortCode;
-use crate::settings::{PdoChanges, PdoIdentifiers, PdoRules};
+use crate::settings::{Identifiers, PdoChanges, Settings};
 
 /// Whether a client may write `raw` to an object from 0x1400 to 0x1BFF, which its row permits
 /// (CiA 301, sections 7.5.2.35 to 7.5.2.38).
 pub(crate) fn check<const LEN: usize>(
     values: &Values<LEN>,
-    rules: &PdoRules,
+    settings: &Settings,
     object: ObjectId,
     raw: u32,
 ) -> Result<(), AbortCode> {
@@ -32,7 +32,7 @@ pub(crate) fn check<const LEN: usize>(
         (1, _) => {
             let cob_id = CobId::from_raw(raw);
             let moves = cob_id.can_id() != present.can_id();
-            (takes(rules.identifiers, cob_id), moves && cob_id.valid().is_some())
+            (takes(settings.identifiers, cob_id), moves && cob_id.valid().is_some())
         }
         (2, Direction::Receive) => (Reception::new(raw) != Reception::Never, false),
         (2, Direction::Transmit) => (Transmission::is_known(raw), false),
@@ -40,7 +40,7 @@ pub(crate) fn check<const LEN: usize>(
         (6, Direction::Transmit) => (raw <= 240, true),
         _ => (true, false),
     };
-    if is_known && !(is_fixed && is_on && rules.changes == PdoChanges::WhileOff) {
+    if is_known && !(is_fixed && is_on && settings.pdo.changes == PdoChanges::WhileOff) {
         Ok(())
     } else {
         Err(AbortCode::VALUE_RANGE)
@@ -48,10 +48,10 @@ pub(crate) fn check<const LEN: usize>(
 }
 
 /// Whether a PDO may have this COB-ID.
-fn takes(identifiers: PdoIdentifiers, cob_id: CobId) -> bool {
+fn takes(identifiers: Identifiers, cob_id: CobId) -> bool {
     match identifiers {
-        PdoIdentifiers::Unrestricted => cob_id.suits_pdo(),
-        PdoIdentifiers::Any => cob_id.has_eleven_bits(),
+        Identifiers::Unrestricted => cob_id.suits_pdo(),
+        Identifiers::Any => cob_id.has_eleven_bits(),
     }
 }
 

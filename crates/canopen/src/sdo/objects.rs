@@ -12,7 +12,7 @@ use crate::heartbeat;
 use crate::nmt::State;
 use crate::parameter::parameter;
 use crate::pdo;
-use crate::settings::{Expedited, Settings};
+use crate::settings::{Expedited, Identifiers, Settings};
 use crate::sync;
 use crate::time;
 
@@ -276,7 +276,11 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         let possible = match (object.index, object.sub) {
             (emcy::HISTORY, 0) => raw == 0,
             (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
-            (0x1014, 0) => CobId::from_raw(raw).suits_emergency(),
+            // The row is all there is to check.
+            (sync::COB_ID | emcy::COB_ID, 0) if self.settings.identifiers == Identifiers::Any => {
+                return Ok(());
+            }
+            (emcy::COB_ID, 0) => CobId::from_raw(raw).suits_emergency(),
             (heartbeat::CONSUMER_TIME, _) if heartbeat::is_doubled(object, raw, self.values) => {
                 return Err(AbortCode::INCOMPATIBLE);
             }
@@ -287,7 +291,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             return Err(self.settings.abort_codes.value_range);
         }
         match object.index {
-            0x1400..=0x1BFF => pdo::check(self.values, &self.settings.pdo, object, raw),
+            0x1400..=0x1BFF => pdo::check(self.values, self.settings, object, raw),
             _ => sync::check(self.values, object, raw),
         }
     }

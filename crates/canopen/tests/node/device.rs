@@ -3,7 +3,7 @@
 
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, Application, BusOff, BusRules, Emergency,
-    ErrorBehaviour, Expedited, Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError,
+    ErrorBehaviour, Expedited, Identifiers, Mapped, Node, NodeId, PdoChanges, PdoRules, ReadError,
     ReceiveErrors, Settings, Trigger, WriteError, Written,
 };
 use object_dictionary::{Object, PdoMapping, Row, Slot};
@@ -21,6 +21,7 @@ pub(crate) static SETTINGS: Settings = Settings {
         changes: PdoChanges::AnyTime,
         ..Settings::CIA_301.pdo
     },
+    identifiers: Identifiers::Unrestricted,
     expedited: Expedited::OneTwoOrFour,
     receive_errors: ReceiveErrors {
         too_short: Some(Emergency { code: 0x8210, manufacturer: [0, 0, 0, 0, 1] }),

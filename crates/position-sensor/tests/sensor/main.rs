@@ -45,3 +45,19 @@ fn a_failed_store_is_told() {
     "#]],
     );
 }
+
+/// AP04 A-45, encoder EN-PDO-10: SYNC and emergency messages take every identifier but that of NMT.
+#[test]
+fn identifiers_are_not_restricted() {
+    for model in ["ap04", "gxmm"] {
+        let mut script = Script::new(model);
+        script.ask(&["23 05 10 00 7F 06 00 00", "23 14 10 00 01 07 00 00"]);
+        script.ask(&["23 05 10 00 00 00 00 00", "23 14 10 00 00 08 00 00"]);
+        script.send("000#01 00").send("67F#").send("67F#");
+        let transcript = script.transcript();
+        assert!(transcript.contains("581#60 05 10 00"), "{model}\n{transcript}");
+        assert!(transcript.contains("581#60 14 10 00"), "{model}\n{transcript}");
+        assert_eq!(transcript.matches("< 581#80").count(), 2, "{model}\n{transcript}");
+        assert!(transcript.contains("< 281#"), "{model}\n{transcript}");
+    }
+}
