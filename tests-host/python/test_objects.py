@@ -30,11 +30,8 @@ ERROR_FIELD = 0x1003
 OPTIONS = 0x2110
 
 
-# SYNC and emergencies: CiA 301 keeps some CAN-IDs for itself, section 7.3.5.
-COB_IDS = [(0x1005, 0), (0x1014, 0)]
-
-
 def is_restricted(cob_id):
+    """CiA 301 keeps some CAN-IDs for itself, section 7.3.5."""
     can_id = cob_id & 0x7FF
     ends = [(0, 0x7F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0x6E0, 0x7FF)]
     return any(first <= can_id <= last for first, last in ends)
@@ -55,6 +52,8 @@ class Product:
     live: frozenset = frozenset()
     # Objects that SDO does not write (AP04 AP-SDO-06).
     not_with_sdo: frozenset = frozenset()
+    # Objects that take no CAN-ID that CiA 301 keeps for itself.
+    restricted: frozenset = frozenset()
     # What becomes of a number in objects that do not keep every bit.
     kept: dict = dataclasses.field(default_factory=dict)
     # Written numbers are answered with this: the device has to be in another state.
@@ -104,6 +103,7 @@ def nm17x(slug):
         below=VALUE_RANGE,
         length=length_of_nm17x,
         live=frozenset([(0x1002, 0), (0x1018, 4), (0x204E, 1), *setpoints]),
+        restricted=frozenset([(0x1005, 0), (0x1014, 0)]),
         kept={command: lambda number: 0 for command in at_rest},
     )
 
@@ -344,7 +344,7 @@ def test_limits(device):
         for number in [end for span in permitted for end in span]:
             answer = device.write_number(entry, number)
             expected = product.refused.get(key(entry))
-            if key(entry) in COB_IDS and is_restricted(number):
+            if key(entry) in product.restricted and is_restricted(number):
                 expected = VALUE_RANGE
             if answer != expected:
                 wrong.append((name(entry), number, answer, expected))
