@@ -311,10 +311,11 @@ impl<const LEN: usize> Watch<LEN> {
             0x40, 0x40, 0x22, 0x23, 0x23, 0x2B, 0x2F, 0x21, 0x20, 0x60, 0x70, 0xA0, 0xA4, 0xA1,
             0xA2, 0xA3, 0xC2, 0xC6, 0xC1, 0x00, 0x01, any, any,
         ])?;
-        let rows = self.subject.dictionary.rows();
+        let mut rows = self.subject.dictionary.rows();
+        let len = rows.len();
         let object = match bytes.u16()? {
             other @ 0xF000.. => ObjectId { index: 0x1000 + (other & 0xFFF), sub: any },
-            known => rows[usize::from(known) % rows.len()].id(),
+            known => rows.nth(usize::from(known) % len)?.id(),
         };
         let (small, now) = (u32::from(bytes.u8()?), self.value(object).unwrap_or(0));
         let value = match bytes.u8()? % 8 {
@@ -643,7 +644,7 @@ impl<const LEN: usize> Watch<LEN> {
         if self.subject.settings.lss.is_some() {
             ids.insert(LSS_RESPONSE);
         }
-        let rows = self.subject.dictionary.rows().iter().map(|row| row.id());
+        let rows = self.subject.dictionary.rows().map(|row| row.id());
         let cob_ids = rows
             .filter(|id| id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1);
         ids.extend(cob_ids.filter_map(|id| valid(self.value(id)?)));

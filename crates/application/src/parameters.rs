@@ -143,12 +143,13 @@ impl Parameters {
 
     /// From the first row of this controller to the end of the dictionary.
     pub(crate) fn own_rows(&self) -> Range<u16> {
-        let rows = self.values.dictionary().rows();
-        let first = rows.iter().position(|row| row.owner() == Owner::Application);
-        position(first.unwrap_or(rows.len()))..position(rows.len())
+        let mut rows = self.values.dictionary().rows();
+        let end = rows.len();
+        let first = rows.position(|row| row.owner() == Owner::Application);
+        position(first.unwrap_or(end))..position(end)
     }
 
-    fn find(&self, id: ObjectId) -> Result<(Slot, &'static Row), Rejected> {
+    fn find(&self, id: ObjectId) -> Result<(Slot, Row), Rejected> {
         let dictionary = self.values.dictionary();
         let slot = dictionary.find(id).map_err(|_| Rejected::Missing)?;
         let row = dictionary.row(slot).ok_or(Rejected::Missing)?;
@@ -158,7 +159,7 @@ impl Parameters {
         }
     }
 
-    fn change_raw(&mut self, slot: Slot, row: &Row, raw: u32) {
+    fn change_raw(&mut self, slot: Slot, row: Row, raw: u32) {
         if self.values.raw(slot) != raw {
             self.take_over(slot, row, raw);
             self.untold.set(slot);
@@ -166,7 +167,7 @@ impl Parameters {
     }
 
     /// Equal values are not stored again (NM17x STORE-10, A-44).
-    fn take_over(&mut self, slot: Slot, row: &Row, raw: u32) {
+    fn take_over(&mut self, slot: Slot, row: Row, raw: u32) {
         if self.values.raw(slot) != raw && stores(row) {
             self.unstored.set(slot);
         }
@@ -175,7 +176,7 @@ impl Parameters {
 }
 
 /// Whether this controller stores the value of a row.
-fn stores(row: &Row) -> bool {
+fn stores(row: Row) -> bool {
     match (row.storage(), row.owner()) {
         (Storage::AtOnce, Owner::Application) => true,
         (Storage::Volatile | Storage::OnCommand, Owner::Application)

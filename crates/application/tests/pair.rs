@@ -175,7 +175,7 @@ impl Pair {
         self.transfer(0x23, index, sub, value);
     }
 
-    fn read(&mut self, row: &Row) -> Option<u32> {
+    fn read(&mut self, row: Row) -> Option<u32> {
         let [command, _, _, _, data @ ..] = self.transfer(0x40, row.id().index, row.id().sub, 0)?;
         (command != 0x80).then_some(u32::from_le_bytes(data))
     }
@@ -220,10 +220,9 @@ fn interface(nonce: u32) -> Interface {
 }
 
 /// The rows that the application controller stores.
-fn parameters() -> impl Iterator<Item = &'static Row> {
+fn parameters() -> impl Iterator<Item = Row> {
     nm172::DICTIONARY
         .rows()
-        .iter()
         .filter(|row| row.owner() == Owner::Application && row.storage() == Storage::AtOnce)
 }
 

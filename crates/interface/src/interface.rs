@@ -116,9 +116,10 @@ impl Interface {
             heard: 0,
             in_service: false,
         };
-        let rows = product.dictionary.rows();
-        let first = rows.iter().position(|row| row.owner() == Owner::Application).unwrap_or(0);
-        let rows = position(first)..position(rows.len());
+        let mut rows = product.dictionary.rows();
+        let end = rows.len();
+        let first = rows.position(|row| row.owner() == Owner::Application).unwrap_or(0);
+        let rows = position(first)..position(end);
         let (mut set, mut node_id, mut bit_rate) = (Set::default(), DELIVERED_NODE_ID, None);
         for (key, value) in stored {
             if set.restore(Record { key, value }, product.dictionary) {
@@ -506,7 +507,7 @@ impl Interface {
 
 /// Whether the application controller may say this of an object: of a parameter what masters may
 /// write, and of its state anything.
-fn is_plausible(row: &Row, value: u32) -> bool {
+fn is_plausible(row: Row, value: u32) -> bool {
     row.access() != Access::ReadWrite || COMMANDS.contains(&row.id()) || row.permits(value)
 }
 

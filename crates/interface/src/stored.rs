@@ -25,7 +25,7 @@ impl Set {
         let values = node.values();
         let mut set = Self::default();
         set.add(SAVED_UNDER, node.node_id().get().into());
-        for (slot, row) in values.dictionary().slots().filter(|(_, row)| is_in_set(row)) {
+        for (slot, row) in values.dictionary().slots().filter(|&(_, row)| is_in_set(row)) {
             set.add(row.id().key(), values.raw(slot));
         }
         set
@@ -68,18 +68,18 @@ impl Set {
     }
 }
 
-fn is_in_set(row: &Row) -> bool {
+fn is_in_set(row: Row) -> bool {
     row.owner() == Owner::Interface && row.storage() == Storage::OnCommand
 }
 
-fn row_of(key: u32, dictionary: &Dictionary) -> Option<(Slot, &'static Row)> {
+fn row_of(key: u32, dictionary: &Dictionary) -> Option<(Slot, Row)> {
     let [sub, low, high, above] = key.to_le_bytes();
     let id = ObjectId { index: u16::from_le_bytes([low, high]), sub };
     let slot = dictionary.find(id).ok().filter(|_| above == 0)?;
     Some((slot, dictionary.row(slot)?))
 }
 
-fn followed(row: &Row, value: u32, saved_under: u32, node_id: NodeId) -> u32 {
+fn followed(row: Row, value: u32, saved_under: u32, node_id: NodeId) -> u32 {
     match row.default() {
         Default::NodeIdPlus(base) if value & CAN_ID == (base & CAN_ID) + saved_under => {
             value & !CAN_ID | ((base & CAN_ID) + u32::from(node_id.get()))
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn the_set_of_every_product_has_room() {
         for dictionary in [&nm170::DICTIONARY, &nm172::DICTIONARY, &nm174::DICTIONARY] {
-            let rows = dictionary.rows().iter().filter(|row| is_in_set(row)).count();
+            let rows = dictionary.rows().filter(|&row| is_in_set(row)).count();
             assert!(rows + 1 < SET_MAX, "{rows}");
         }
     }

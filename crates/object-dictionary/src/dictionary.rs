@@ -1,13 +1,21 @@
 use crate::object::{Object, Value};
-use crate::row::{Access, Default, ObjectId, Row, Storage, WriteState};
+use crate::row::{Access, Default, Kind, Line, ObjectId, Row, Storage, WriteState};
 
 /// The rows of a product in ascending order.
 #[derive(Debug)]
 pub struct Dictionary {
-    rows: &'static [Row],
+    lines: &'static [Line],
+    kinds: &'static [Kind],
     /// The first row of each index, at the hash of the index.
     firsts: &'static [u16],
     multiplier: u32,
+}
+
+/// The rows of a product in ascending order, and the kinds they are of, each once.
+#[derive(Debug)]
+pub struct Table<const LEN: usize, const KINDS: usize> {
+    lines: [Line; LEN],
+    kinds: [Kind; KINDS],
 }
 
 /// Where the rows of each index begin: a hash table without collisions.
@@ -40,7 +48,7 @@ impl Slot {
     /// The slot with this position, if `dictionary` is that long.
     #[must_use]
     pub fn at(dictionary: &Dictionary, position: u16) -> Option<Self> {
-        (usize::from(position) < dictionary.rows.len()).then_some(Self(position))
+        (usize::from(position) < dictionary.lines.len()).then_some(Self(position))
     }
 
     /// Position of the row, counted from 0.
@@ -51,27 +59,20 @@ impl Slot {
 }
 
 impl Dictionary {
-    /// A dictionary of these rows; [`dictionary!`](crate::dictionary) makes the places. Panics, at
-    /// compile time, when the rows are out of order, doubled, or have a stored or constant default
-    /// outside their limits.
+    /// A dictionary of these rows; [`dictionary!`](crate::dictionary) makes table and places.
     #[must_use]
-    pub const fn new<const LEN: usize>(rows: &'static [Row], places: &'static Places<LEN>) -> Self {
-        assert!(rows.len() < VACANT as usize, "too many rows");
-        let mut left = rows;
-        while let [row, rest @ ..] = left {
-            check(row);
-            if let [next, ..] = rest {
-                assert!(row.id().key() < next.id().key(), "rows are not in ascending order");
-            }
-            left = rest;
-        }
-        Self { rows, firsts: &places.firsts, multiplier: places.multiplier }
+    pub const fn new<const LEN: usize, const KINDS: usize, const PLACES: usize>(
+        table: &'static Table<LEN, KINDS>,
+        places: &'static Places<PLACES>,
+    ) -> Self {
+        let (lines, kinds) = (&table.lines, &table.kinds);
+        Self { lines, kinds, firsts: &places.firsts, multiplier: places.multiplier }
     }
 
     /// All rows, in ascending order.
-    #[must_use]
-    pub const fn rows(&self) -> &'static [Row] {
-        self.rows
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = Row> + use<> {
+        let kinds = self.kinds;
+        self.lines.iter().map(move |line| Row::of(line, kinds))
     }
 
     /// The place of an entry.
@@ -81,15 +82,16 @@ impl Dictionary {
     pub fn find(&self, id: ObjectId) -> Result<Slot, Missing> {
         let place = hash(id.index, self.multiplier, self.firsts.len());
         let first = self.firsts.get(place).copied().unwrap_or(VACANT);
-        match self.rows.get(usize::from(first)) {
-            Some(row) if row.index == id.index => {}
+        match self.lines.get(usize::from(first)) {
+            Some(line) if line.index == id.index => {}
             Some(_) | None => return Err(Missing::Object),
         }
         // It lies before the place that its sub-index says by as many as are left out before it.
         let mut ahead = id.sub;
         loop {
             let slot = Slot(first + u16::from(ahead));
-            if self.row(slot).is_some_and(|row| row.id() == id) {
+            let line = self.lines.get(usize::from(slot.0));
+            if line.is_some_and(|line| (line.index, line.sub) == (id.index, id.sub)) {
                 return Ok(slot);
             }
             ahead = ahead.checked_sub(1).ok_or(Missing::SubIndex)?;
@@ -101,9 +103,10 @@ impl Dictionary {
     #[must_use]
     pub const fn slot<T: Value>(&self, object: &Object<T>) -> Slot {
         let mut slot = Slot(0);
-        let mut left = self.rows;
-        while let [row, rest @ ..] = left {
-            if row.id().key() == object.id().key() {
+        let ObjectId { index, sub } = object.id();
+        let mut left = self.lines;
+        while let [line, rest @ ..] = left {
+            if line.index == index && line.sub == sub {
                 return slot;
             }
             slot.0 += 1;
@@ -114,14 +117,78 @@ impl Dictionary {
 
     /// The row at a slot of this dictionary. `None` for a slot of a longer one.
     #[must_use]
-    pub fn row(&self, slot: Slot) -> Option<&'static Row> {
-        self.rows.get(usize::from(slot.0))
+    pub fn row(&self, slot: Slot) -> Option<Row> {
+        self.lines.get(usize::from(slot.0)).map(|line| Row::of(line, self.kinds))
     }
 
     /// All slots, in ascending order of their objects.
-    pub fn slots(&self) -> impl Iterator<Item = (Slot, &'static Row)> + use<> {
-        (0..VACANT).map(Slot).zip(self.rows)
+    pub fn slots(&self) -> impl Iterator<Item = (Slot, Row)> + use<> {
+        (0..VACANT).map(Slot).zip(self.rows())
     }
+}
+
+/// How many kinds of rows these are.
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "in a constant")]
+pub const fn kinds_len(rows: &[Row]) -> usize {
+    let mut kinds = [*rows[0].kind; KINDS_MAX];
+    let mut count = 0;
+    let mut left = rows;
+    while let [row, rest @ ..] = left {
+        if place_of(row.kind, kinds.split_at(count).0) == count {
+            assert!(count < KINDS_MAX, "too many kinds of rows");
+            kinds[count] = *row.kind;
+            count += 1;
+        }
+        left = rest;
+    }
+    count
+}
+
+impl<const LEN: usize, const KINDS: usize> Table<LEN, KINDS> {
+    /// The table of these `LEN` rows; `KINDS` is their [`kinds_len`]. Panics, at compile time, when
+    /// the rows are out of order, doubled, of more than 256 kinds, or have a stored or constant
+    /// default outside their limits.
+    #[must_use]
+    #[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "in a constant")]
+    pub const fn of(rows: &[Row]) -> Self {
+        assert!(rows.len() == LEN && LEN < VACANT as usize, "another number of rows");
+        assert!(KINDS <= KINDS_MAX, "too many kinds of rows");
+        let mut lines = [*rows[0].line; LEN];
+        let mut kinds = [*rows[0].kind; KINDS];
+        let mut count = 0;
+        let mut at = 0;
+        while at < LEN {
+            let row = rows[at];
+            check(row);
+            if at > 0 {
+                let ascends = rows[at - 1].id().key() < row.id().key();
+                assert!(ascends, "rows are not in ascending order");
+            }
+            let kind = place_of(row.kind, kinds.split_at(count).0);
+            if kind == count {
+                kinds[count] = *row.kind;
+                count += 1;
+            }
+            lines[at] = Line { kind: kind as u8, ..*row.line };
+            at += 1;
+        }
+        assert!(count == KINDS, "another number of kinds");
+        Self { lines, kinds }
+    }
+}
+
+/// A line has a byte for its kind.
+const KINDS_MAX: usize = 256;
+
+/// The place of a kind among others; their number where it is new.
+#[expect(clippy::indexing_slicing, reason = "in a constant")]
+const fn place_of(kind: &Kind, kinds: &[Kind]) -> usize {
+    let mut at = 0;
+    while at < kinds.len() && !kinds[at].is(kind) {
+        at += 1;
+    }
+    at
 }
 
 /// A number that sets two dictionaries apart when any index, type, access, default or limit
@@ -133,7 +200,7 @@ pub const fn fingerprint(rows: &[Row]) -> u32 {
     let mut left = rows;
     while let [row, rest @ ..] = left {
         hash = mix(hash, row.id().key());
-        hash = mix(hash, (row.data_type().len() as u32) << 16 | access_word(row));
+        hash = mix(hash, (row.data_type().len() as u32) << 16 | access_word(*row));
         hash = mix(hash, (row.storage() as u32) << 8 | row.owner() as u32);
         hash = match row.default() {
             Default::Number(value) => mix(hash, value),
@@ -165,7 +232,7 @@ impl<const LEN: usize> Places<LEN> {
         let mut at = rows.len();
         while at > 0 {
             at -= 1;
-            firsts[hash(rows[at].index, multiplier, LEN)] = at as u16;
+            firsts[hash(rows[at].line.index, multiplier, LEN)] = at as u16;
         }
         Self { firsts, multiplier }
     }
@@ -186,8 +253,8 @@ const fn spread(rows: &[Row]) -> (usize, u32) {
     let mut count = 0;
     let mut at = 0;
     while at < rows.len() {
-        if at == 0 || rows[at - 1].index != rows[at].index {
-            indices[count] = rows[at].index;
+        if at == 0 || rows[at - 1].line.index != rows[at].line.index {
+            indices[count] = rows[at].line.index;
             count += 1;
         }
         at += 1;
@@ -222,13 +289,13 @@ const fn hash(index: u16, multiplier: u32, len: usize) -> usize {
     (index as u32).wrapping_mul(multiplier) as usize >> 16 & (len - 1)
 }
 
-const fn access_word(row: &Row) -> u32 {
+const fn access_word(row: Row) -> u32 {
     (row.write_state() as u32) << 8 | row.access() as u32
 }
 
 /// A value that may be written but is not stored answers with a state of the device, which may
 /// differ from what commands it: a drive at rest reads 0 and takes a direction.
-const fn check(row: &Row) {
+const fn check(row: Row) {
     let answers_with_state =
         matches!((row.access(), row.storage()), (Access::ReadWrite, Storage::Volatile));
     if matches!(row.access(), Access::WriteOnly) || answers_with_state {
@@ -277,7 +344,7 @@ mod tests {
     fn names_stay_beside_the_rows() {
         assert_eq!((LEN, TEXTS.len()), (4, 4));
         assert_eq!(TEXTS.get(2).map(|text| text.name), Some("Text"));
-        assert_eq!(FINGERPRINT, fingerprint(DICTIONARY.rows()));
+        assert_eq!(FINGERPRINT, fingerprint(ROWS));
     }
 
     #[test]
@@ -306,7 +373,7 @@ mod tests {
             for sub in [0, 1, 2, 255] {
                 let id = ObjectId { index, sub };
                 let position = DICTIONARY.slots().find(|(_, row)| row.id() == id);
-                let known = DICTIONARY.rows().iter().any(|row| row.index == index);
+                let known = DICTIONARY.rows().any(|row| row.id().index == index);
                 let missing = if known { Missing::SubIndex } else { Missing::Object };
                 let expected = position.map(|(slot, _)| slot).ok_or(missing);
                 assert_eq!(DICTIONARY.find(id), expected, "{id:?}");
@@ -315,12 +382,33 @@ mod tests {
     }
 
     #[test]
+    fn rows_share_kinds_and_keep_what_they_are() {
+        const ROWS: &[Row] = &[
+            row!(FIRST_ONE),
+            row!(Object::<u32>::new(0x2001, 1, "").read_write().within(0, 1).default(1)),
+            row!(Object::<u32>::new(0x2002, 1, "").read_write().within(0, 2)),
+            row!(Object::<u32>::new(0x2003, 1, "").read_write().default(1)),
+            row!(Object::<u32>::new(0x2004, 1, "").read_write().default_node_id_plus(1)),
+            row!(Object::<i32>::new(0x2005, 1, "").read_write().default(1)),
+            row!(Object::<u32>::new(0x2006, 1, "").read_write().within(0, 1).or_within(&[(5, 6)])),
+            row!(TEXT),
+            row!(Object::<[u8; 4]>::new(0x2008, 0, "Other text").default_text("1.06")),
+        ];
+        static DICTIONARY: Dictionary = crate::dictionary!(ROWS);
+        assert_eq!(kinds_len(ROWS), 8);
+        for (row, stays) in DICTIONARY.rows().zip(ROWS) {
+            assert_eq!((row.id(), row.kind), (stays.id(), stays.kind));
+            assert_eq!(row.default(), stays.default());
+        }
+    }
+
+    #[test]
     fn a_command_may_answer_with_what_can_not_be_written() {
         const JOG_COMMAND: Object<u8> = Object::new(0x204D, 3, "Jog").read_write().within(11, 13);
-        static JOG: Row = row!(JOG_COMMAND);
-        static PLACES: Places<1> = Places { firsts: [0], multiplier: 1 };
+        const JOG: Row = row!(JOG_COMMAND);
+        static DICTIONARY: Dictionary = crate::dictionary!(&[JOG]);
         assert_eq!((JOG.initial(1), JOG.permits(0), JOG.permits(11)), (0, false, true));
-        assert_eq!(Dictionary::new(core::slice::from_ref(&JOG), &PLACES).rows().len(), 1);
+        assert_eq!(DICTIONARY.rows().len(), 1);
     }
 
     #[test]

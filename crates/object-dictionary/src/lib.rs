@@ -25,11 +25,13 @@ mod object;
 mod row;
 mod values;
 
-pub use dictionary::{Dictionary, Missing, Places, Slot, fingerprint, places_len};
+pub use dictionary::{
+    Dictionary, Missing, Places, Slot, Table, fingerprint, kinds_len, places_len,
+};
 pub use object::{Listing, Number, Object, Text, Unit, Value};
 pub use row::{
-    Access, DataType, Default, Limits, ObjectId, OutOfLimits, Owner, Particulars, PdoMapping, Row,
-    Storage, WriteState,
+    Access, DataType, Default, Kind, Limits, Line, ObjectId, OutOfLimits, Owner, Particulars,
+    PdoMapping, Row, Storage, WriteState,
 };
 pub use values::Values;
 
@@ -37,7 +39,10 @@ pub use values::Values;
 #[macro_export]
 macro_rules! row {
     ($object:expr) => {
-        $object.row(const { &$object.particulars() })
+        $crate::Row::new(
+            const { &$object.line() },
+            const { &$object.kind(const { &$object.particulars() }) },
+        )
     };
 }
 
@@ -46,7 +51,7 @@ macro_rules! row {
 macro_rules! dictionary {
     ($rows:expr) => {
         $crate::Dictionary::new(
-            $rows,
+            const { &$crate::Table::<{ $rows.len() }, { $crate::kinds_len($rows) }>::of($rows) },
             const { &$crate::Places::<{ $crate::places_len($rows) }>::of($rows) },
         )
     };

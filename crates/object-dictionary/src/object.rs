@@ -1,7 +1,7 @@
 use core::marker::PhantomData;
 
 use crate::row::{
-    Access, DataType, Default, ObjectId, Owner, Particulars, PdoMapping, Rights, Row, Start,
+    Access, DataType, Default, Kind, Line, ObjectId, Owner, Particulars, PdoMapping, Rights,
     Storage, WriteState,
 };
 
@@ -114,6 +114,7 @@ pub struct Object<T> {
     storage: Storage,
     owner: Owner,
     pdo: PdoMapping,
+    default: Default,
     particulars: Particulars,
     text: Text,
     value: PhantomData<fn() -> T>,
@@ -131,17 +132,18 @@ impl<T: Value> Object<T> {
             storage: Storage::Volatile,
             owner: if index < 0x2000 { Owner::Interface } else { Owner::Application },
             pdo: PdoMapping::No,
+            default: Default::Number(0),
             particulars: Self::plain(),
             text: Text { name, unit: Unit::None, listing: Listing::Everywhere },
             value: PhantomData,
         }
     }
 
-    /// Zero, and all numbers of the type.
+    /// All numbers of the type.
     const fn plain() -> Particulars {
         let (min, max) = T::DATA_TYPE.span();
         let (lowest, highest) = (Self::rank(min), Self::rank(max));
-        Particulars { default: Default::Number(0), lowest, highest, also: &[] }
+        Particulars { text: None, lowest, highest, also: &[] }
     }
 
     #[expect(
@@ -237,14 +239,14 @@ impl<T: Value> Object<T> {
     pub const fn default(mut self, value: i64) -> Self {
         let (lowest, highest) = T::DATA_TYPE.span();
         assert!(lowest <= value && value <= highest, "default outside the type");
-        self.particulars.default = Default::Number(value as u32);
+        self.default = Default::Number(value as u32);
         self
     }
 
     /// The value at delivery follows the node-ID: `base` plus node-ID.
     #[must_use]
     pub const fn default_node_id_plus(mut self, base: u32) -> Self {
-        self.particulars.default = Default::NodeIdPlus(base);
+        self.default = Default::NodeIdPlus(base);
         self
     }
 
@@ -252,7 +254,7 @@ impl<T: Value> Object<T> {
     #[must_use]
     pub const fn default_text(mut self, text: &'static str) -> Self {
         assert!(text.len() == T::DATA_TYPE.len(), "the text does not have the object's length");
-        self.particulars.default = Default::Text(text);
+        self.default = Default::Text(text);
         self
     }
 
@@ -276,34 +278,48 @@ impl<T: Value> Object<T> {
         self.id
     }
 
-    /// The row of the table; [`row!`](crate::row) gives it what [`Self::particulars`] has.
+    /// What the row of the table has alone.
     #[must_use]
-    pub const fn row(&self, particulars: &'static Particulars) -> Row {
+    pub const fn line(&self) -> Line {
+        let number = match self.default {
+            Default::Number(number) | Default::NodeIdPlus(number) => number,
+            Default::Text(_) => 0,
+        };
+        Line { index: self.id.index, sub: self.id.sub, kind: 0, number }
+    }
+
+    /// What the row has in common with others; [`row!`](crate::row) gives it what
+    /// [`Self::particulars`] has.
+    #[must_use]
+    pub const fn kind(&self, particulars: &'static Particulars) -> Kind {
         let plain = Self::plain();
-        let is_limited = particulars.lowest != plain.lowest
+        let is_particular = particulars.lowest != plain.lowest
             || particulars.highest != plain.highest
-            || !particulars.also.is_empty();
-        let (data_type, owner) = (T::DATA_TYPE, self.owner);
-        Row {
-            index: self.id.index,
-            sub: self.id.sub,
-            rights: Rights::new(self.access, self.write_state, self.storage, self.pdo),
-            start: match particulars.default {
-                Default::Number(number) if !is_limited => Start::Number(data_type, owner, number),
-                Default::NodeIdPlus(base) if !is_limited => {
-                    Start::NodeIdPlus(data_type, owner, base)
-                }
-                Default::Number(_) | Default::NodeIdPlus(_) | Default::Text(_) => {
-                    Start::Particular(data_type, owner, particulars)
-                }
-            },
+            || !particulars.also.is_empty()
+            || particulars.text.is_some();
+        let adds_node_id = matches!(self.default, Default::NodeIdPlus(_));
+        Kind {
+            data_type: T::DATA_TYPE,
+            rights: Rights::new(
+                self.access,
+                self.write_state,
+                self.storage,
+                self.pdo,
+                self.owner,
+                adds_node_id,
+            ),
+            particulars: if is_particular { Some(particulars) } else { None },
         }
     }
 
-    /// What goes beside the row.
+    /// What few kinds have.
     #[must_use]
     pub const fn particulars(&self) -> Particulars {
-        self.particulars
+        let text = match self.default {
+            Default::Text(text) => Some(text),
+            Default::Number(_) | Default::NodeIdPlus(_) => None,
+        };
+        Particulars { text, ..self.particulars }
     }
 
     /// What only people read.

@@ -115,35 +115,42 @@ pub enum OutOfLimits {
     Beside,
 }
 
-/// One entry of a dictionary, as an image needs it: 12 bytes on a controller of 32 bits, and more
-/// only where there are [`Particulars`].
+/// One entry of a dictionary: what it has alone, and what many entries have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
+    pub(crate) line: &'static Line,
+    pub(crate) kind: &'static Kind,
+}
+
+/// What an entry has alone, in 8 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line {
     pub(crate) index: u16,
     pub(crate) sub: u8,
+    /// The place of its [`Kind`] in its dictionary; zero before it is in one.
+    pub(crate) kind: u8,
+    /// What it starts with. Texts start with zero.
+    pub(crate) number: u32,
+}
+
+/// What many entries have in common, in 8 bytes on a controller of 32 bits, and more only where
+/// there are [`Particulars`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    pub(crate) data_type: DataType,
     pub(crate) rights: Rights,
-    pub(crate) start: Start,
+    pub(crate) particulars: Option<&'static Particulars>,
 }
 
-/// [`Access`], [`WriteState`], [`Storage`] and [`PdoMapping`], two bits each.
+/// [`Access`], [`WriteState`], [`Storage`] and [`PdoMapping`], two bits each, then [`Owner`] and
+/// whether the node-ID is added to the default, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Rights(u8);
+pub(crate) struct Rights(u16);
 
-/// How an entry starts. Type and owner lie in the bytes that the number leaves free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Start {
-    /// With this number.
-    Number(DataType, Owner, u32),
-    /// With this number plus the node-ID.
-    NodeIdPlus(DataType, Owner, u32),
-    /// As these say.
-    Particular(DataType, Owner, &'static Particulars),
-}
-
-/// What few rows have: limits narrower than their type, or a text at delivery.
+/// What few kinds have: limits narrower than their type, or a text at delivery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Particulars {
-    pub(crate) default: Default,
+    pub(crate) text: Option<&'static str>,
     /// Ends of the main span, in the order of the type (see [`DataType::rank`]).
     pub(crate) lowest: u32,
     pub(crate) highest: u32,
@@ -246,32 +253,70 @@ impl Rights {
         write_state: WriteState,
         storage: Storage,
         pdo: PdoMapping,
+        owner: Owner,
+        adds_node_id: bool,
     ) -> Self {
-        Self(access as u8 | (write_state as u8) << 2 | (storage as u8) << 4 | (pdo as u8) << 6)
+        let modes = access as u16 | (write_state as u16) << 2 | (storage as u16) << 4;
+        Self(modes | (pdo as u16) << 6 | (owner as u16) << 8 | (adds_node_id as u16) << 9)
+    }
+}
+
+impl Kind {
+    const PLAIN: Self =
+        Self { data_type: DataType::Unsigned8, rights: Rights(0), particulars: None };
+
+    /// Whether a dictionary keeps one of both only. Those with a text or further spans are rarely
+    /// doubled, and are not compared.
+    pub(crate) const fn is(&self, other: &Self) -> bool {
+        if self.rights.0 != other.rights.0 {
+            return false;
+        }
+        let (own, others) = (self.data_type, other.data_type);
+        own.len() == others.len()
+            && own.is_text() == others.is_text()
+            && own.is_signed() == others.is_signed()
+            && match (self.particulars, other.particulars) {
+                (None, None) => true,
+                (Some(own), Some(others)) => {
+                    own.has_span_only()
+                        && others.has_span_only()
+                        && own.lowest == others.lowest
+                        && own.highest == others.highest
+                }
+                (None, Some(_)) | (Some(_), None) => false,
+            }
     }
 }
 
 impl Row {
+    /// An entry of this kind; [`row!`](crate::row) makes both.
+    #[must_use]
+    pub const fn new(line: &'static Line, kind: &'static Kind) -> Self {
+        Self { line, kind }
+    }
+
+    /// The row with this line of a dictionary that has these kinds. Every line names one of them: the
+    /// plain kind stands in for none.
+    pub(crate) fn of(line: &'static Line, kinds: &'static [Kind]) -> Self {
+        Self { line, kind: kinds.get(usize::from(line.kind)).unwrap_or(&Kind::PLAIN) }
+    }
+
     /// Index and sub-index.
     #[must_use]
-    pub const fn id(&self) -> ObjectId {
-        ObjectId { index: self.index, sub: self.sub }
+    pub const fn id(self) -> ObjectId {
+        ObjectId { index: self.line.index, sub: self.line.sub }
     }
 
     /// Type of the value.
     #[must_use]
-    pub const fn data_type(&self) -> DataType {
-        match self.start {
-            Start::Number(data_type, ..)
-            | Start::NodeIdPlus(data_type, ..)
-            | Start::Particular(data_type, ..) => data_type,
-        }
+    pub const fn data_type(self) -> DataType {
+        self.kind.data_type
     }
 
     /// What a master may do with it.
     #[must_use]
-    pub const fn access(&self) -> Access {
-        match self.rights.0 & 3 {
+    pub const fn access(self) -> Access {
+        match self.kind.rights.0 & 3 {
             0 => Access::ReadOnly,
             1 => Access::WriteOnly,
             _ => Access::ReadWrite,
@@ -280,8 +325,8 @@ impl Row {
 
     /// When a master may write it.
     #[must_use]
-    pub const fn write_state(&self) -> WriteState {
-        match self.rights.0 >> 2 & 3 {
+    pub const fn write_state(self) -> WriteState {
+        match self.kind.rights.0 >> 2 & 3 {
             0 => WriteState::Any,
             1 => WriteState::PreOperational,
             _ => WriteState::NotWithSdo,
@@ -290,8 +335,8 @@ impl Row {
 
     /// Where it survives.
     #[must_use]
-    pub const fn storage(&self) -> Storage {
-        match self.rights.0 >> 4 & 3 {
+    pub const fn storage(self) -> Storage {
+        match self.kind.rights.0 >> 4 & 3 {
             0 => Storage::Volatile,
             1 => Storage::OnCommand,
             _ => Storage::AtOnce,
@@ -300,8 +345,8 @@ impl Row {
 
     /// Whether PDOs may carry it.
     #[must_use]
-    pub const fn pdo(&self) -> PdoMapping {
-        match self.rights.0 >> 6 {
+    pub const fn pdo(self) -> PdoMapping {
+        match self.kind.rights.0 >> 6 & 3 {
             0 => PdoMapping::No,
             1 => PdoMapping::Transmit,
             2 => PdoMapping::Receive,
@@ -311,17 +356,17 @@ impl Row {
 
     /// Who holds it.
     #[must_use]
-    pub const fn owner(&self) -> Owner {
-        match self.start {
-            Start::Number(_, owner, _)
-            | Start::NodeIdPlus(_, owner, _)
-            | Start::Particular(_, owner, _) => owner,
+    pub const fn owner(self) -> Owner {
+        if self.kind.rights.0 >> 8 & 1 == Owner::Interface as u16 {
+            Owner::Interface
+        } else {
+            Owner::Application
         }
     }
 
     /// Whether a master may write the number `raw` holds.
     #[must_use]
-    pub fn permits(&self, raw: u32) -> bool {
+    pub fn permits(self, raw: u32) -> bool {
         self.check(raw).is_ok()
     }
 
@@ -329,27 +374,28 @@ impl Row {
     ///
     /// # Errors
     /// Says where the number lies instead.
-    pub fn check(&self, raw: u32) -> Result<(), OutOfLimits> {
-        match self.start {
-            Start::Particular(data_type, _, particulars) => particulars.check(data_type, raw),
-            Start::Number(..) | Start::NodeIdPlus(..) => Ok(()),
+    pub fn check(self, raw: u32) -> Result<(), OutOfLimits> {
+        match self.kind.particulars {
+            Some(particulars) => particulars.check(self.data_type(), raw),
+            None => Ok(()),
         }
     }
 
     /// Whether all numbers of the type may be written.
     #[must_use]
-    pub const fn is_unlimited(&self) -> bool {
-        !matches!(self.start, Start::Particular(..))
+    pub const fn is_unlimited(self) -> bool {
+        self.kind.particulars.is_none()
     }
 
     /// The numbers that may be written.
     #[must_use]
-    pub const fn limits(&self) -> Limits {
-        match self.start {
-            Start::Particular(data_type, _, &Particulars { lowest, highest, also, .. }) => {
+    pub const fn limits(self) -> Limits {
+        let data_type = self.data_type();
+        match self.kind.particulars {
+            Some(&Particulars { lowest, highest, also, .. }) => {
                 Limits { min: data_type.ranked(lowest), max: data_type.ranked(highest), also }
             }
-            Start::Number(data_type, ..) | Start::NodeIdPlus(data_type, ..) => {
+            None => {
                 let (min, max) = data_type.span();
                 Limits { min, max, also: &[] }
             }
@@ -358,35 +404,41 @@ impl Row {
 
     /// The value at delivery.
     #[must_use]
-    pub const fn default(&self) -> Default {
-        match self.start {
-            Start::Number(_, _, number) => Default::Number(number),
-            Start::NodeIdPlus(_, _, base) => Default::NodeIdPlus(base),
-            Start::Particular(_, _, particulars) => particulars.default,
+    pub const fn default(self) -> Default {
+        match self.kind.particulars {
+            Some(&Particulars { text: Some(text), .. }) => Default::Text(text),
+            Some(_) | None if self.adds_node_id() => Default::NodeIdPlus(self.line.number),
+            Some(_) | None => Default::Number(self.line.number),
         }
     }
 
     /// The text at delivery; an empty one where there is none.
     #[must_use]
-    pub const fn text(&self) -> &'static str {
-        match self.start {
-            Start::Particular(_, _, &Particulars { default: Default::Text(text), .. }) => text,
-            Start::Particular(..) | Start::Number(..) | Start::NodeIdPlus(..) => "",
+    pub const fn text(self) -> &'static str {
+        match self.kind.particulars {
+            Some(&Particulars { text: Some(text), .. }) => text,
+            Some(_) | None => "",
         }
     }
 
     /// The number an entry starts with on a device with this node-ID. Texts have none: zero.
     #[must_use]
-    pub const fn initial(&self, node_id: u8) -> u32 {
-        match self.default() {
-            Default::Number(number) => number,
-            Default::NodeIdPlus(base) => base + node_id as u32,
-            Default::Text(_) => 0,
-        }
+    pub const fn initial(self, node_id: u8) -> u32 {
+        let added = if self.adds_node_id() { node_id as u32 } else { 0 };
+        self.line.number + added
+    }
+
+    const fn adds_node_id(self) -> bool {
+        self.kind.rights.0 >> 9 != 0
     }
 }
 
 impl Particulars {
+    /// Whether there is nothing but limits of one span.
+    const fn has_span_only(&self) -> bool {
+        self.text.is_none() && self.also.is_empty()
+    }
+
     fn check(&self, data_type: DataType, raw: u32) -> Result<(), OutOfLimits> {
         let rank = data_type.rank(data_type.widen(raw));
         if (self.lowest..=self.highest).contains(&rank) {
@@ -401,6 +453,7 @@ impl Particulars {
     }
 }
 
-/// The bytes of a row count for each of some hundred of them.
+/// The bytes of a line count for each of some hundred of them.
+const _: () = assert!(size_of::<Line>() == 8);
 #[cfg(target_pointer_width = "32")]
-const _: () = assert!(size_of::<Row>() == 12);
+const _: () = assert!(size_of::<Kind>() == 8);

@@ -14,7 +14,7 @@ impl<const LEN: usize> Values<LEN> {
     /// beyond it would read zero.
     #[must_use]
     pub fn new(dictionary: &'static Dictionary, node_id: u8) -> Self {
-        let mut rows = dictionary.rows().iter();
+        let mut rows = dictionary.rows();
         let numbers = core::array::from_fn(|_| rows.next().map_or(0, |row| row.initial(node_id)));
         Self { dictionary, numbers }
     }

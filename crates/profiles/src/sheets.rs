@@ -148,6 +148,10 @@ pub static SHEETS: &[Sheet] = &[
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
     use object_dictionary::{Access, Default, ObjectId, PdoMapping, Row};
 
     use super::*;
@@ -155,11 +159,11 @@ mod tests {
     /// Its sub-index 0 counts the errors it holds: none at delivery.
     const ERROR_LIST: u16 = 0x1003;
 
-    fn rows() -> impl Iterator<Item = (&'static Sheet, &'static Row)> {
-        SHEETS.iter().flat_map(|sheet| sheet.dictionary.rows().iter().map(move |row| (sheet, row)))
+    fn rows() -> impl Iterator<Item = (&'static Sheet, Row)> {
+        SHEETS.iter().flat_map(|sheet| sheet.dictionary.rows().map(move |row| (sheet, row)))
     }
 
-    fn number(row: &Row) -> Option<u32> {
+    fn number(row: Row) -> Option<u32> {
         match row.default() {
             Default::Number(number) => Some(number),
             Default::NodeIdPlus(_) | Default::Text(_) => None,
@@ -196,7 +200,8 @@ mod tests {
     #[test]
     fn sub_index_0_is_the_highest_sub_index() {
         for sheet in SHEETS {
-            for object in sheet.dictionary.rows().chunk_by(|a, b| a.id().index == b.id().index) {
+            let rows: Vec<Row> = sheet.dictionary.rows().collect();
+            for object in rows.chunk_by(|a, b| a.id().index == b.id().index) {
                 let [first, .., last] = object else { continue };
                 let expected = match (sheet.file, first.id().index) {
                     (_, ERROR_LIST) => 0,
@@ -204,7 +209,7 @@ mod tests {
                     ("AP04", 0x1801) => 5,
                     _ => u32::from(last.id().sub),
                 };
-                assert_eq!(number(first), Some(expected), "{} {:?}", sheet.file, first.id());
+                assert_eq!(number(*first), Some(expected), "{} {:?}", sheet.file, first.id());
             }
         }
     }

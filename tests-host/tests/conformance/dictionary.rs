@@ -33,7 +33,7 @@ fn case_4_2(master: &mut Master) -> Verdict {
 
 /// OD 03.
 fn case_4_3(master: &mut Master) -> Verdict {
-    for row in master.rows().iter().filter(|row| row.access() == Access::ReadOnly) {
+    for row in master.rows().filter(|row| row.access() == Access::ReadOnly) {
         let zeros = vec![0; row.data_type().len()];
         let code = master.download(row.id(), &zeros).expect_err("it is refused");
         assert!([0x0601_0000, 0x0601_0002].contains(&code), "{}: {code:08X}", name(row.id()));
@@ -44,7 +44,7 @@ fn case_4_3(master: &mut Master) -> Verdict {
 /// OD 04.
 fn case_4_4(master: &mut Master) -> Verdict {
     let mut verdict = Err(Reason::from("nothing is write only"));
-    for row in master.rows().iter().filter(|row| row.access() == Access::WriteOnly) {
+    for row in master.rows().filter(|row| row.access() == Access::WriteOnly) {
         let code = master.upload(row.id()).expect_err("it is refused");
         assert!([0x0601_0000, 0x0601_0001].contains(&code), "{}: {code:08X}", name(row.id()));
         verdict = Ok(());
@@ -117,19 +117,19 @@ enum Area {
     Device,
 }
 
-fn each(master: &mut Master, area: Area, check: fn(&mut Master, &'static Row)) -> Verdict {
-    let of_area = |row: &&Row| match area {
+fn each(master: &mut Master, area: Area, check: fn(&mut Master, Row)) -> Verdict {
+    let of_area = |row: &Row| match area {
         Area::Communication => row.id().index < 0x2000,
         Area::Device => row.id().index >= 0x2000,
     };
-    for row in master.rows().iter().filter(of_area) {
+    for row in master.rows().filter(of_area) {
         check(master, row);
     }
     Ok(())
 }
 
 /// An object is read with its length, unless it has no value now, or can not be read.
-fn accessed(master: &mut Master, row: &'static Row) {
+fn accessed(master: &mut Master, row: Row) {
     let read = master.upload(row.id());
     match (row.access(), read) {
         (Access::WriteOnly, read) => assert_eq!(read, Err(0x0601_0001), "{}", name(row.id())),
@@ -143,7 +143,7 @@ fn accessed(master: &mut Master, row: &'static Row) {
 }
 
 /// What masters may change starts with its default, and constants are what the data sheet says.
-fn is_default(master: &mut Master, row: &'static Row) {
+fn is_default(master: &mut Master, row: Row) {
     let fixed = row.access() == Access::ReadOnly && row.limits().min == row.limits().max;
     let set = row.access() == Access::ReadWrite && row.storage() != Storage::Volatile;
     if !fixed && !set {

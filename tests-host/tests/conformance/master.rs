@@ -426,12 +426,12 @@ impl Master {
     }
 
     /// The row of an object in the product's dictionary.
-    pub(crate) fn row(&self, object: ObjectId) -> Option<&'static Row> {
+    pub(crate) fn row(&self, object: ObjectId) -> Option<Row> {
         self.device.dictionary.row(self.device.dictionary.find(object).ok()?)
     }
 
     /// All rows of the product.
-    pub(crate) fn rows(&self) -> &'static [Row] {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Row> + use<> {
         self.device.dictionary.rows()
     }
 
@@ -451,7 +451,7 @@ impl Master {
     }
 
     /// Whether a write of the object would do more than change a value.
-    pub(crate) fn is_command(&self, row: &Row) -> bool {
+    pub(crate) fn is_command(&self, row: Row) -> bool {
         matches!(row.id().index, 0x1010 | 0x1011) || self.device.commands.contains(&row.id().index)
     }
 }

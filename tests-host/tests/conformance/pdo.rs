@@ -481,7 +481,7 @@ fn change(master: &mut Master, running: bool) {
 }
 
 /// The object that [`change`] changes, where a PDO can be made to carry it.
-fn changing(master: &Master) -> &'static Row {
+fn changing(master: &Master) -> Row {
     let output = master.device.output.expect("a device with dynamic mapping has an output");
     master.row(output).expect("the output is there")
 }
@@ -492,13 +492,13 @@ fn dynamic(master: &mut Master, mapping: u16) -> Result<u16, Lacking> {
     Ok(mapping)
 }
 
-fn mappable(master: &Master, direction: PdoMapping) -> Vec<&'static Row> {
-    let mappable = |row: &&Row| row.pdo() == direction || row.pdo() == PdoMapping::Both;
-    master.rows().iter().filter(mappable).collect()
+fn mappable(master: &Master, direction: PdoMapping) -> Vec<Row> {
+    let mappable = |row: &Row| row.pdo() == direction || row.pdo() == PdoMapping::Both;
+    master.rows().filter(mappable).collect()
 }
 
 /// The mapping entry for an object.
-fn entry(row: &Row) -> u32 {
+fn entry(row: Row) -> u32 {
     let bits = u32::try_from(8 * row.data_type().len()).expect("a short object");
     u32::from(row.id().index) << 16 | u32::from(row.id().sub) << 8 | bits
 }

@@ -92,7 +92,7 @@ fn case_2_3(master: &mut Master) -> Verdict {
 
 /// SDO 04.
 fn case_2_4(master: &mut Master) -> Verdict {
-    let row = *first(master, Access::WriteOnly, |_| true).ok_or("nothing is write only")?;
+    let row = first(master, Access::WriteOnly, |_| true).ok_or("nothing is write only")?;
     refused(master.upload(row.id()), WRITE_ONLY)
 }
 
@@ -117,14 +117,14 @@ fn case_2_7(master: &mut Master) -> Verdict {
 
 /// SDO 08.
 fn case_2_8(master: &mut Master) -> Verdict {
-    let short = |row: &Row| matches!(row.data_type().len(), 1 | 2);
+    let short = |row: Row| matches!(row.data_type().len(), 1 | 2);
     let row = first(master, Access::ReadWrite, short).ok_or("no short object is rw")?;
     refused(master.download(row.id(), &[0; 4]), TOO_LONG)
 }
 
 /// SDO 09.
 fn case_2_9(master: &mut Master) -> Verdict {
-    let long = |row: &Row| matches!(row.data_type().len(), 2 | 4);
+    let long = |row: Row| matches!(row.data_type().len(), 2 | 4);
     let row = first(master, Access::ReadWrite, long).ok_or("no long object is rw")?;
     refused(master.download(row.id(), &[0]), TOO_SHORT)
 }
@@ -140,7 +140,7 @@ fn case_2_11(master: &mut Master) -> Verdict {
 }
 
 /// Writes the value that `outside` finds for each object, and expects it to be refused.
-fn beyond(master: &mut Master, outside: fn(&Row, (i64, i64)) -> Option<i64>) -> Verdict {
+fn beyond(master: &mut Master, outside: fn(Row, (i64, i64)) -> Option<i64>) -> Verdict {
     let mut any = false;
     for row in rows(master, Access::ReadWrite) {
         let Some(value) = outside(row, row.data_type().span()) else { continue };
@@ -298,20 +298,20 @@ fn raw(value: i64) -> u32 {
 }
 
 /// The rows with this access, in ascending order.
-fn rows(master: &Master, access: Access) -> impl Iterator<Item = &'static Row> + use<> {
-    master.rows().iter().filter(move |row| row.access() == access)
+fn rows(master: &Master, access: Access) -> impl Iterator<Item = Row> + use<> {
+    master.rows().filter(move |row| row.access() == access)
 }
 
 /// The first number with this access that suits, other than commands.
-fn first(master: &Master, access: Access, suits: fn(&Row) -> bool) -> Option<&'static Row> {
-    let number = |row: &Row| !matches!(row.data_type(), DataType::VisibleString(_));
-    rows(master, access).find(|row| number(row) && suits(row) && !master.is_command(row))
+fn first(master: &Master, access: Access, suits: fn(Row) -> bool) -> Option<Row> {
+    let number = |row: Row| !matches!(row.data_type(), DataType::VisibleString(_));
+    rows(master, access).find(|&row| number(row) && suits(row) && !master.is_command(row))
 }
 
 /// The first text that does not fit into one frame.
-fn long_text(master: &Master) -> Result<&'static Row, Lacking> {
-    let long = |row: &&Row| row.data_type().len() > 4;
-    master.rows().iter().find(long).ok_or_else(|| "no value is longer than four bytes".to_owned())
+fn long_text(master: &Master) -> Result<Row, Lacking> {
+    let long = |row: &Row| row.data_type().len() > 4;
+    master.rows().find(long).ok_or_else(|| "no value is longer than four bytes".to_owned())
 }
 
 /// Whether the product serves block transfers; CiA 301 leaves it to the product.

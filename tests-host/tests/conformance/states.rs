@@ -132,6 +132,6 @@ pub(crate) fn is_in(master: &mut Master, state: u8) {
     }
 }
 
-fn is_stored_at_once(row: &object_dictionary::Row) -> bool {
+fn is_stored_at_once(row: object_dictionary::Row) -> bool {
     row.storage() == object_dictionary::Storage::AtOnce
 }

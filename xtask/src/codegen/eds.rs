@@ -24,7 +24,7 @@ const PDO_MAPPINGS: [std::ops::RangeInclusive<u16>; 2] = [0x1600..=0x17FF, 0x1A0
 const HIGHEST_SUB_INDEX: &str = " - highest sub-index";
 
 /// One object: its rows with their names, sub-index 0 first.
-type Entry<'a> = (&'a Row, &'a Text);
+type Entry<'a> = (Row, &'a Text);
 
 /// What an object is made of (CiA 306-1, object code).
 #[derive(Clone, Copy)]
@@ -39,7 +39,6 @@ pub(super) fn file(sheet: &Sheet) -> String {
     let entries: Vec<Entry<'_>> = sheet
         .dictionary
         .rows()
-        .iter()
         .zip(sheet.texts)
         .filter(|(_, text)| text.listing == Listing::Everywhere)
         .collect();
@@ -159,7 +158,7 @@ fn describe(eds: &mut String, sheet: &Sheet, object: &[Entry<'_>]) {
         "[{index:04X}]\nParameterName={name}\nObjectType=0x{code}\nSubNumber={}\n\n",
         object.len()
     );
-    for (row, text) in object {
+    for &(row, text) in object {
         let name = if row.id().sub == 0 && text.name == name {
             "Highest sub-index supported"
         } else {
@@ -170,7 +169,7 @@ fn describe(eds: &mut String, sheet: &Sheet, object: &[Entry<'_>]) {
     }
 }
 
-fn variable(eds: &mut String, sheet: &Sheet, row: &Row, name: &str) {
+fn variable(eds: &mut String, sheet: &Sheet, row: Row, name: &str) {
     let _ = write!(
         eds,
         "ParameterName={name}\nObjectType=0x7\nDataType=0x{:04X}\nAccessType={}\n",
@@ -202,7 +201,7 @@ const fn data_type(data_type: DataType) -> u8 {
 }
 
 /// `rww` and `rwr` say besides which PDOs may carry what can be read and written.
-const fn access(row: &Row) -> &'static str {
+const fn access(row: Row) -> &'static str {
     match (row.access(), row.pdo()) {
         (Access::ReadOnly, _) => "ro",
         (Access::WriteOnly, _) => "wo",
@@ -214,7 +213,7 @@ const fn access(row: &Row) -> &'static str {
 
 /// The value at delivery, if the entry can be read. A PDO mapping that names an object the product
 /// does not have, as the NM170 does, is left open: a master could not make sense of it.
-fn default(sheet: &Sheet, row: &Row) -> Option<String> {
+fn default(sheet: &Sheet, row: Row) -> Option<String> {
     if row.access() == Access::WriteOnly {
         return None;
     }
@@ -226,7 +225,7 @@ fn default(sheet: &Sheet, row: &Row) -> Option<String> {
     }
 }
 
-fn maps_nothing(sheet: &Sheet, row: &Row, entry: u32) -> bool {
+fn maps_nothing(sheet: &Sheet, row: Row, entry: u32) -> bool {
     let [index_high, index_low, sub, _] = entry.to_be_bytes();
     let mapped = ObjectId { index: u16::from_be_bytes([index_high, index_low]), sub };
     row.id().sub > 0
@@ -243,7 +242,7 @@ fn hull(limits: Limits) -> (i64, i64) {
 
 /// Limits are those of a write with SDO. They are left out where the entry reads a state that they
 /// do not hold, such as the 0 of a drive at rest.
-fn has_limits(row: &Row) -> bool {
+fn has_limits(row: Row) -> bool {
     let (lowest, highest) = hull(row.limits());
     let holds_default = match (row.access(), row.default()) {
         (Access::WriteOnly, _) | (_, Default::NodeIdPlus(_) | Default::Text(_)) => true,

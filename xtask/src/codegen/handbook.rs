@@ -25,7 +25,7 @@ pub(super) fn page(sheet: &Sheet) -> String {
          |---|---:|---|---|---|---|---|---|---|---|\n",
         sheet.name
     );
-    for (row, text) in sheet.dictionary.rows().iter().zip(sheet.texts) {
+    for (row, text) in sheet.dictionary.rows().zip(sheet.texts) {
         let _ = writeln!(
             page,
             "| 0x{:04X} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
@@ -57,7 +57,7 @@ fn type_name(data_type: DataType) -> String {
 }
 
 /// With SDO, and the states in which it may be written when these are not all.
-const fn access(row: &Row) -> &'static str {
+const fn access(row: Row) -> &'static str {
     match (row.access(), row.write_state()) {
         (Access::ReadOnly, _) => "ro",
         (Access::WriteOnly, WriteState::Any) => "wo",
@@ -69,7 +69,7 @@ const fn access(row: &Row) -> &'static str {
     }
 }
 
-fn default(row: &Row) -> String {
+fn default(row: Row) -> String {
     match (row.default(), row.access()) {
         (_, Access::WriteOnly) => String::new(),
         (Default::Text(text), _) => format!("`{text}`"),
@@ -79,7 +79,7 @@ fn default(row: &Row) -> String {
 }
 
 /// What may be written, with the unit; nothing where all of the type may.
-fn values(row: &Row, unit: Unit) -> String {
+fn values(row: Row, unit: Unit) -> String {
     let Limits { min, max, also } = row.limits();
     let (lowest, highest) = row.data_type().span();
     let mut spans = Vec::new();
@@ -95,7 +95,7 @@ fn span(first: i64, last: i64, radix: Radix) -> String {
     if first == last { first } else { format!("{first} to {last}") }
 }
 
-fn radix(row: &Row) -> Radix {
+fn radix(row: Row) -> Radix {
     if COMMUNICATION.contains(&row.id().index) && row.data_type() == DataType::Unsigned32 {
         Radix::Hexadecimal
     } else {

@@ -22,13 +22,13 @@ impl Entry {
     }
 
     /// The object, if the product has it.
-    pub(super) fn find(self, dictionary: &Dictionary) -> (Slot, Option<&'static Row>) {
+    pub(super) fn find(self, dictionary: &Dictionary) -> (Slot, Option<Row>) {
         let slot = dictionary.find(self.object).unwrap_or(Slot::NOWHERE);
         (slot, dictionary.row(slot))
     }
 
     /// Whether a master may give it to a PDO with this mapping object; `row` is that of its object.
-    pub(super) fn check(self, row: Option<&Row>, mapping: u16) -> Result<(), AbortCode> {
+    pub(super) fn check(self, row: Option<Row>, mapping: u16) -> Result<(), AbortCode> {
         let direction = Direction::of(mapping);
         let data_type = match (row, direction) {
             (Some(row), _) if !direction.takes(row.pdo()) || row.data_type().is_text() => {

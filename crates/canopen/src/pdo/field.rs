@@ -18,7 +18,7 @@ struct Width(u8);
 
 impl Field {
     /// The field of an entry at the byte `at`, whose object has this slot and row.
-    pub(super) fn new(entry: Entry, at: u8, slot: Slot, row: Option<&Row>) -> Self {
+    pub(super) fn new(entry: Entry, at: u8, slot: Slot, row: Option<Row>) -> Self {
         let is_signed = row.is_some_and(|row| row.data_type().is_signed());
         let sign = if is_signed { Width::SIGNED } else { 0 };
         Self { slot, at, width: Width(sign | 32_u8.saturating_sub(entry.bits)) }

@@ -61,7 +61,7 @@ pub(crate) enum Effect {
 /// An entry that a client may access.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    pub(super) row: &'static Row,
+    pub(super) row: Row,
     pub(super) slot: Slot,
     /// Bytes of its value.
     pub(super) len: u8,
@@ -114,7 +114,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         Ok(Entry { slot, row, len })
     }
 
-    fn check_readable(&mut self, slot: Slot, row: &Row) -> Result<(), AbortCode> {
+    fn check_readable(&mut self, slot: Slot, row: Row) -> Result<(), AbortCode> {
         match row.access() {
             Access::ReadOnly | Access::ReadWrite => {}
             Access::WriteOnly => return Err(AbortCode::WRITE_ONLY),
@@ -123,7 +123,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         if index == emcy::HISTORY && self.is_empty_error(sub) {
             return Err(AbortCode::NO_DATA);
         }
-        self.application.read(slot, row).map_err(AbortCode::of_read)
+        self.application.read(slot, &row).map_err(AbortCode::of_read)
     }
 
     /// The number at an entry, in 32 bits.
@@ -141,7 +141,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         let bytes = match entry.row.data_type() {
             DataType::VisibleString(_) => self
                 .application
-                .text(entry.slot, entry.row)
+                .text(entry.slot, &entry.row)
                 .unwrap_or_else(|| entry.row.text().as_bytes()),
             DataType::Unsigned8
             | DataType::Unsigned16
@@ -155,7 +155,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// The code for a length that is not the entry's.
-    pub(super) fn length_code(&self, row: &Row) -> AbortCode {
+    pub(super) fn length_code(&self, row: Row) -> AbortCode {
         match row.data_type() {
             DataType::VisibleString(_) => self.settings.abort_codes.text_length,
             DataType::Unsigned8
@@ -208,7 +208,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             return Err(self.length_code(row));
         }
         if row.data_type().is_text() {
-            let written = self.application.write_text(slot, row, bytes);
+            let written = self.application.write_text(slot, &row, bytes);
             return written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes));
         }
         self.write_number(entry, word(bytes))
@@ -237,7 +237,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             self.check_communication(row.id(), raw)?;
             effect = Effect::Configured(slot);
         }
-        match self.application.write(slot, row, raw) {
+        match self.application.write(slot, &row, raw) {
             Ok(Written::Taken) if self.values.raw(slot) != raw || acts_again => {
                 self.values.set_raw(slot, raw);
                 self.effect = effect;
@@ -249,7 +249,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     }
 
     /// Whether a master may write the entry, now and with SDO.
-    fn check_writable(&self, row: &Row) -> Result<(), AbortCode> {
+    fn check_writable(&self, row: Row) -> Result<(), AbortCode> {
         match (row.access(), row.write_state()) {
             (_, WriteState::NotWithSdo) => Err(AbortCode::UNSUPPORTED_ACCESS),
             (Access::ReadOnly, _) => Err(AbortCode::READ_ONLY),

@@ -120,7 +120,7 @@ impl Interface {
     }
 
     /// Hands a value for which there is room on to the application controller.
-    fn forward(&mut self, now: Instant, (slot, row): (Slot, &Row), raw: u32) {
+    fn forward(&mut self, now: Instant, (slot, row): (Slot, Row), raw: u32) {
         if self.link.write(row.id(), raw, kind(row.id())).is_ok() {
             self.message.note_write();
             if !COMMANDS.contains(&row.id()) {
@@ -140,14 +140,14 @@ impl Interface {
         self.link.check_room(writes).map_err(|_| Emergency::PDO_NOT_QUEUED)
     }
 
-    fn find(&self, id: ObjectId) -> Option<(Slot, &'static Row)> {
+    fn find(&self, id: ObjectId) -> Option<(Slot, Row)> {
         let slot = self.product.dictionary.find(id).ok()?;
         Some((slot, self.product.dictionary.row(slot)?))
     }
 }
 
 /// Bytes beyond the object's length do not count as a part of the number: they are wrong.
-fn check(row: &Row, raw: u32) -> Result<(), Emergency> {
+fn check(row: Row, raw: u32) -> Result<(), Emergency> {
     if row.data_type().widen(raw) == raw && row.permits(raw) {
         Ok(())
     } else {

@@ -41,7 +41,7 @@ impl Partner {
                 Some(format!("write {:04x}:{} = {}", write.index, write.sub, write.value))
             }
             ToApplication::RequestSnapshot { from, .. } => {
-                let rows = self.product.dictionary.rows().iter().skip(from.into());
+                let rows = self.product.dictionary.rows().skip(from.into());
                 let values = rows.take(SNAPSHOT_VALUES_MAX).map(|row| row.initial(127)).collect();
                 self.answers.push(ToInterface::Snapshot { from, values });
                 None
