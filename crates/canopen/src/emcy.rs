@@ -1,9 +1,8 @@
 use heapless::Deque;
 use object_dictionary::{ObjectId, Values};
-use units::{Duration, Instant};
 
 use crate::cob_id::{CobId, NodeId, Service};
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::{CanId, Frame};
 use crate::parameter::{number, parameter};
 use crate::settings::{AdditionalInformation, Emergency, Settings};
@@ -12,7 +11,7 @@ use crate::settings::{AdditionalInformation, Emergency, Settings};
 const WAITING_MAX: usize = 8;
 
 /// One step of 0x1015.
-const INHIBIT_UNIT: Duration = Duration::from_micros(100);
+const INHIBIT_UNIT: Span = Span::from_micros(100);
 
 pub(crate) const COB_ID: u16 = 0x1014;
 const INHIBIT_TIME: u16 = 0x1015;
@@ -35,9 +34,9 @@ pub(crate) const PARTNER_LOST: Emergency = Emergency { code: 0x8130, manufacture
 pub(crate) struct Producer {
     /// None while it is switched off.
     id: CanId,
-    /// In steps of 100 µs.
-    inhibit_time: u32,
-    inhibited_until: Instant,
+    inhibit_time: Span,
+    /// Never while messages may go.
+    inhibited_until: Deadline,
     waiting: Deque<[u8; 8], WAITING_MAX>,
 }
 
@@ -46,19 +45,19 @@ impl Producer {
     pub(crate) const fn new(node_id: NodeId) -> Self {
         Self {
             id: Service::Emergency.id(node_id),
-            inhibit_time: 0,
-            inhibited_until: Instant::ZERO,
+            inhibit_time: Span::ZERO,
+            inhibited_until: Deadline::NEVER,
             waiting: Deque::new(),
         }
     }
 
     /// Takes 0x1014 and 0x1015 over. A producer that is switched off forgets what waits.
-    pub(crate) fn reread<const LEN: usize>(&mut self, now: Instant, values: &Values<LEN>) {
+    pub(crate) fn reread<const LEN: usize>(&mut self, now: Moment, values: &Values<LEN>) {
         if let Some(raw) = parameter(values, COB_ID, 0) {
             self.id = CobId::from_raw(raw).valid().unwrap_or(CanId::NONE);
         }
-        self.inhibit_time = number(values, INHIBIT_TIME, 0);
-        self.inhibited_until = self.inhibited_until.min(self.inhibited_from(now));
+        self.inhibit_time = INHIBIT_UNIT.times(number(values, INHIBIT_TIME, 0));
+        self.inhibited_until = self.inhibited_until.limited(now, self.inhibit_time);
         if self.id == CanId::NONE {
             self.waiting.clear();
         }
@@ -90,26 +89,36 @@ impl Producer {
 
     /// Whether messages never wait for each other.
     pub(crate) fn is_uninhibited(&self) -> bool {
-        self.inhibit_time == 0
+        self.inhibit_time == Span::ZERO
     }
 
-    /// When the next message may go after one at `now`.
-    fn inhibited_from(&self, now: Instant) -> Instant {
-        now + INHIBIT_UNIT * u64::from(self.inhibit_time)
+    /// When the inhibit time ends, if it runs.
+    pub(crate) const fn inhibited_until(&self) -> Deadline {
+        self.inhibited_until
     }
 
-    /// When the next waiting message may go.
-    pub(crate) fn due_at(&self) -> Deadline {
-        if self.waiting.is_empty() { Deadline::NEVER } else { Deadline::at(self.inhibited_until) }
+    /// When the inhibit time ends, or the next waiting message may go.
+    pub(crate) fn due_at(&self, now: Moment) -> Deadline {
+        if self.waiting.is_empty() || self.inhibited_until != Deadline::NEVER {
+            self.inhibited_until
+        } else {
+            Deadline::at(now)
+        }
     }
 
-    /// The next waiting message whose time has come.
-    pub(crate) fn take_due(&mut self, now: Instant) -> Option<Frame> {
-        if !self.due_at().is_due(now) {
+    /// Messages may go again when the inhibit time is over.
+    pub(crate) fn end_inhibit_time(&mut self, now: Moment) {
+        self.inhibited_until.take_due(now);
+    }
+
+    /// The next waiting message that may go.
+    pub(crate) fn take(&mut self, now: Moment) -> Option<Frame> {
+        if self.inhibited_until != Deadline::NEVER {
             return None;
         }
-        self.inhibited_until = self.inhibited_from(now);
-        self.waiting.pop_front().map(|data| Frame::full(self.id, data))
+        let data = self.waiting.pop_front()?;
+        self.inhibited_until = Deadline::after(now, self.inhibit_time);
+        Some(Frame::full(self.id, data))
     }
 }
 

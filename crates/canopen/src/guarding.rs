@@ -1,7 +1,6 @@
 use object_dictionary::Values;
-use units::{Duration, Instant};
 
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::parameter::{number, parameter};
 
 /// The time between two guarding requests, in milliseconds.
@@ -13,14 +12,16 @@ pub(crate) const LIFE_TIME_FACTOR: u16 = 0x100D;
 /// and 0x100D).
 ///
 /// Every request is answered, with a toggle bit that starts at 0. The first one starts life
-/// guarding, where both objects are not 0. A node that sends heartbeats does neither.
+/// guarding, where both objects are not 0; the life time, their product, ends at 35 minutes and 47
+/// seconds. A node that sends heartbeats does neither.
 #[derive(Debug)]
 pub(crate) struct Guarded {
     /// Whether the product has a guard time.
     is_served: bool,
     /// Bit 7 of the next answer.
     toggle: u8,
-    life_time: Duration,
+    /// Guard time × life time factor, at most [`Span::MAX`].
+    life_time: Span,
     /// Only while the node is guarded: not before the first request.
     lost_at: Deadline,
     is_lost: bool,
@@ -32,7 +33,7 @@ impl Guarded {
         Self {
             is_served: false,
             toggle: 0,
-            life_time: Duration::ZERO,
+            life_time: Span::ZERO,
             lost_at: Deadline::NEVER,
             is_lost: false,
         }
@@ -42,8 +43,8 @@ impl Guarded {
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
         let guard_time = parameter(values, GUARD_TIME, 0);
         self.is_served = guard_time.is_some();
-        self.life_time = Duration::from_millis(u64::from(guard_time.unwrap_or(0)))
-            * u64::from(number(values, LIFE_TIME_FACTOR, 0));
+        self.life_time =
+            Span::from_millis(guard_time.unwrap_or(0)).times(number(values, LIFE_TIME_FACTOR, 0));
         self.stop();
     }
 
@@ -59,7 +60,7 @@ impl Guarded {
     }
 
     /// Takes a request. Whether the node had been given up.
-    pub(crate) fn handle(&mut self, now: Instant) -> bool {
+    pub(crate) fn handle(&mut self, now: Moment) -> bool {
         self.lost_at = Deadline::after(now, self.life_time);
         core::mem::take(&mut self.is_lost)
     }
@@ -78,13 +79,10 @@ impl Guarded {
     }
 
     /// Whether the node is lost from now on.
-    pub(crate) fn take_due(&mut self, now: Instant) -> bool {
-        let due = self.lost_at.is_due(now);
-        if due {
-            self.lost_at = Deadline::NEVER;
-            self.is_lost = true;
-        }
-        due
+    pub(crate) fn take_due(&mut self, now: Moment) -> bool {
+        let is_due = self.lost_at.take_due(now);
+        self.is_lost |= is_due;
+        is_due
     }
 
     /// Whether the node is lost.

@@ -1,9 +1,8 @@
 mod consumer;
 
 pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers, is_doubled};
-use units::{Duration, Instant};
 
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 
 /// The heartbeat producer (CiA 301, section 7.2.8.3.2.2; object 0x1017).
 ///
@@ -29,12 +28,12 @@ impl Producer {
     }
 
     /// Counts from the boot-up message.
-    pub(crate) fn start(&mut self, now: Instant) {
+    pub(crate) fn start(&mut self, now: Moment) {
         self.due_at = Deadline::after(now, self.period());
     }
 
     /// Counts from now on, beginning with a heartbeat.
-    pub(crate) fn restart(&mut self, now: Instant) {
+    pub(crate) fn restart(&mut self, now: Moment) {
         self.due_at = if self.is_on() { Deadline::at(now) } else { Deadline::NEVER };
     }
 
@@ -44,7 +43,7 @@ impl Producer {
     }
 
     /// Whether one is due; the next deadline is then set.
-    pub(crate) fn take_due(&mut self, now: Instant) -> bool {
+    pub(crate) fn take_due(&mut self, now: Moment) -> bool {
         let due = self.due_at.is_due(now);
         if due {
             self.due_at = self.due_at.next(now, self.period());
@@ -57,8 +56,8 @@ impl Producer {
         self.period_ms > 0
     }
 
-    fn period(&self) -> Duration {
-        Duration::from_millis(u64::from(self.period_ms))
+    fn period(&self) -> Span {
+        Span::from_millis(self.period_ms)
     }
 }
 
@@ -66,8 +65,8 @@ impl Producer {
 mod tests {
     use super::*;
 
-    fn at(ms: u64) -> Instant {
-        Instant::ZERO + Duration::from_millis(ms)
+    fn at(ms: u64) -> Moment {
+        (units::Instant::ZERO + units::Duration::from_millis(ms)).into()
     }
 
     /// NM17x HB-01.

@@ -37,6 +37,11 @@
 //! [`Node::accepts`]. Each sub-index of a PDO's parameters that a master writes costs one reading of
 //! that PDO's parameters and mapping.
 //!
+//! **Time.** The clock of the calls never comes round. Inside, deadlines have 32 bits of its
+//! microseconds: nothing lies more than 35 minutes and 47 seconds ahead, which limits the SYNC period
+//! and window (0x1006, 0x1007) and the life time of guarding, and [`Node::handle_timeout`] is called no
+//! later than half an hour after [`Node::poll_timeout`] says. A node may be idle for any time.
+//!
 //! **Memory.** A node has no memory but its own, and all bounds are constants: [`TRANSMIT_MAX`]
 //! frames wait for mailboxes, and the least urgent of too many is dropped, counted and reported.
 //! PDOs and heartbeats that wait are replaced by newer ones, and an emergency takes the place of one

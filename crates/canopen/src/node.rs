@@ -33,6 +33,9 @@ const EVENTS_MAX: usize = 16;
 const EVENTS_PER_CALL: usize = CONSUMERS_MAX + 1 + 1 + PDO_MAX;
 const _: () = assert!(EVENTS_MAX >= EVENTS_PER_CALL);
 
+/// When a node that waits for nothing wakes.
+const NEVER: Instant = Instant::from_micros(u64::MAX);
+
 const IDENTITY: u16 = 0x1018;
 const NMT_STARTUP: u16 = 0x1F80;
 
@@ -43,7 +46,8 @@ const SELF_STARTING: u32 = 1 << 3;
 ///
 /// Contract: after every call that takes `now`, drain [`Self::poll_event`], hand frames from
 /// [`Self::peek_transmit`] to the controller as long as it takes any, and call
-/// [`Self::handle_timeout`] no later than [`Self::poll_timeout`] says.
+/// [`Self::handle_timeout`] no later than [`Self::poll_timeout`] says. A late call acts late; one that
+/// is more than half an hour late may take what is overdue for what lies ahead.
 ///
 /// `LEN` is the length of the product's dictionary.
 #[derive(Debug)]
@@ -65,8 +69,8 @@ pub struct Node<const LEN: usize> {
     configured: Option<Slot>,
     /// The time of the call that is served.
     now: Instant,
-    /// Nothing is due before.
-    wake_at: Deadline,
+    /// Nothing is due before; [`NEVER`] while the node waits for nothing.
+    wake_at: Instant,
     screen: Screen,
     settings: &'static Settings,
     sync: Sync,
@@ -182,7 +186,7 @@ impl<const LEN: usize> Node<LEN> {
             tpdos: Tpdos::default(),
             outbox: Outbox::default(),
             screen: Screen::CLOSED,
-            wake_at: Deadline::NEVER,
+            wake_at: NEVER,
             has_news: false,
             filters_changed: false,
             events: Deque::new(),
@@ -201,7 +205,7 @@ impl<const LEN: usize> Node<LEN> {
         self.now = now;
         self.start_lss(Some(self.node_id));
         self.send_error_control(State::Initialising.heartbeat_byte());
-        self.heartbeat.start(now);
+        self.heartbeat.start(now.into());
         self.enter(State::PreOperational);
         self.listen();
         if number(&self.values, NMT_STARTUP, 0) & SELF_STARTING != 0 {
@@ -241,7 +245,7 @@ impl<const LEN: usize> Node<LEN> {
     /// Does what is due. Harmless when nothing is.
     pub fn handle_timeout(&mut self, now: Instant, application: &mut impl Application) {
         self.now = now;
-        if self.wake_at.is_due(now) {
+        if self.wake_at <= now {
             self.serve_due(application);
         }
     }
@@ -249,7 +253,7 @@ impl<const LEN: usize> Node<LEN> {
     #[inline(never)]
     fn serve_due(&mut self, application: &mut impl Application) {
         self.follow_master();
-        let now = self.now;
+        let now = self.now.into();
         self.sdo.handle_timeout(now, self.settings);
         self.answer();
         if self.heartbeat.take_due(now) {
@@ -270,7 +274,7 @@ impl<const LEN: usize> Node<LEN> {
     #[must_use]
     #[inline]
     pub fn poll_timeout(&self) -> Option<Instant> {
-        self.wake_at.instant()
+        (self.wake_at != NEVER).then_some(self.wake_at)
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -519,7 +523,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn produce_sync(&mut self, application: &mut impl Application) {
-        if let Some(frame) = self.sync.take_due(self.now) {
+        if let Some(frame) = self.sync.take_due(self.now.into()) {
             self.outbox.supersede(frame);
             self.handle_sync(&frame, application);
         }
@@ -527,14 +531,14 @@ impl<const LEN: usize> Node<LEN> {
 
     /// PDOs that did not go out in the window of their SYNC are late.
     fn end_sync_window(&mut self) {
-        if self.sync.take_window_end(self.now) {
+        if self.sync.take_window_end(self.now.into()) {
             let tpdos = &self.tpdos;
             self.outbox.retain(&mut |frame| !tpdos.send_with_sync(frame.id()));
         }
     }
 
     fn report_overdue(&mut self) {
-        while let Some(number) = self.rpdos.take_due(self.now) {
+        while let Some(number) = self.rpdos.take_due(self.now.into()) {
             self.report(Event::PdoOverdue { number });
             self.say(&self.settings.receive_errors.overdue);
         }
@@ -546,7 +550,7 @@ impl<const LEN: usize> Node<LEN> {
             return;
         }
         if to == State::Operational {
-            self.tpdos.start(self.now);
+            self.tpdos.start(self.now.into());
         } else {
             self.rpdos.stop();
             self.tpdos.stop();
@@ -560,7 +564,7 @@ impl<const LEN: usize> Node<LEN> {
             });
         }
         if to.serves_sdo() {
-            self.sync.start(self.now);
+            self.sync.start(self.now.into());
         } else {
             self.sdo.stop();
             self.sync.stop();
@@ -572,7 +576,7 @@ impl<const LEN: usize> Node<LEN> {
     fn leave(&mut self, reason: Event) {
         self.state = State::Initialising;
         self.screen = Screen::CLOSED;
-        self.wake_at = Deadline::NEVER;
+        self.wake_at = NEVER;
         self.configured = None;
         self.sdo.stop();
         self.rpdos.stop();
@@ -595,33 +599,38 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn transmit_due(&mut self) {
-        self.tpdos.transmit_due(self.now, &self.values, &mut self.outbox);
+        self.tpdos.transmit_due(self.now.into(), &self.values, &mut self.outbox);
     }
 
-    /// Something is due at `deadline`.
-    #[inline]
+    /// Something is due at `deadline`; nothing on a node that is not up.
+    #[inline(never)]
     fn wake_by(&mut self, deadline: Deadline) {
-        self.wake_at = self.wake_at.min(deadline);
+        if deadline != Deadline::NEVER && self.state != State::Initialising {
+            self.wake_at = self.wake_at.min(deadline.instant(self.now));
+        }
     }
 
     #[inline(never)]
     fn wake_for_pdos(&mut self) {
-        self.wake_by(self.tpdos.due_at().min(self.rpdos.due_at()));
+        let now = self.now.into();
+        self.wake_by(self.tpdos.due_at(now).or_earlier(self.rpdos.due_at(now), now));
     }
 
-    /// Looks for what is due next; nothing on a node that is not up.
+    /// Looks for what is due next.
     fn schedule(&mut self) {
-        if self.state == State::Initialising {
-            return;
-        }
-        self.wake_at = Deadline::from(self.sdo.poll_timeout())
-            .or_earlier(self.heartbeat.due_at())
-            .or_earlier(self.monitored.due_at())
-            .or_earlier(self.guarded.due_at())
-            .or_earlier(self.emergency_due_at())
-            .or_earlier(self.sync.due_at())
-            .or_earlier(self.rpdos.due_at())
-            .or_earlier(self.tpdos.due_at());
+        let now = self.now.into();
+        let deadline = self
+            .sdo
+            .due_at()
+            .or_earlier(self.heartbeat.due_at(), now)
+            .or_earlier(self.monitored.due_at(now), now)
+            .or_earlier(self.guarded.due_at(), now)
+            .or_earlier(self.emergency_due_at(), now)
+            .or_earlier(self.sync.due_at(now), now)
+            .or_earlier(self.rpdos.due_at(now), now)
+            .or_earlier(self.tpdos.due_at(now), now);
+        self.wake_at = NEVER;
+        self.wake_by(deadline);
     }
 
     #[inline(never)]

@@ -1,8 +1,7 @@
 use object_dictionary::{ObjectId, Values};
-use units::{Duration, Instant};
 
 use crate::cob_id::CobId;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::{CanId, Frame};
 use crate::parameter::{number, parameter};
 use crate::sdo::AbortCode;
@@ -20,7 +19,8 @@ pub(crate) const OVERFLOW: u16 = 0x1019;
 ///
 /// It produces while bit 30 of 0x1005 is set and the period is not 0, in the states that have PDO or
 /// SDO; the first SYNC follows one period after the start, with the counter 1. The device itself
-/// acts on what it produces.
+/// acts on what it produces. Period and window that were stored and are longer than [`Span::MAX`] are
+/// as long as that.
 ///
 /// A product without 0x1019 takes a SYNC with a counter as one without.
 #[derive(Debug)]
@@ -33,11 +33,11 @@ pub(crate) struct Sync {
     len_max: u8,
     /// The counter of the last SYNC produced; 0 before the first.
     counter: u8,
-    /// In microseconds; 0 for a device that does not produce.
-    period_us: u32,
+    /// None at all for a device that does not produce.
+    period: Span,
     due_at: Deadline,
-    /// In microseconds; 0 without a window.
-    window_us: u32,
+    /// None at all without a window.
+    window: Span,
     window_ends_at: Deadline,
     is_window_over: bool,
     length: Length,
@@ -69,9 +69,9 @@ impl Sync {
             overflow: 0,
             len_max: 1,
             counter: 0,
-            period_us: 0,
+            period: Span::ZERO,
             due_at: Deadline::NEVER,
-            window_us: 0,
+            window: Span::ZERO,
             window_ends_at: Deadline::NEVER,
             is_window_over: false,
             length: Length::Expected,
@@ -92,21 +92,22 @@ impl Sync {
             Some([overflow, ..]) => (overflow, 1),
         };
         let period_us = if cob_id.generates() { number(values, PERIOD, 0) } else { 0 };
-        let kind = (cob_id.can_id(), overflow, len_max, period_us);
-        if kind != (self.id, self.overflow, self.len_max, self.period_us) {
-            (self.id, self.overflow, self.len_max, self.period_us) = kind;
+        let period = Span::from_micros(period_us);
+        let kind = (cob_id.can_id(), overflow, len_max, period);
+        if kind != (self.id, self.overflow, self.len_max, self.period) {
+            (self.id, self.overflow, self.len_max, self.period) = kind;
             self.due_at = Deadline::NEVER;
             self.length = Length::Expected;
         }
-        self.window_us = number(values, WINDOW, 0);
+        self.window = Span::from_micros(number(values, WINDOW, 0));
         self.close_window();
     }
 
     /// Starts a producer that stands still.
-    pub(crate) fn start(&mut self, now: Instant) {
+    pub(crate) fn start(&mut self, now: Moment) {
         if self.due_at == Deadline::NEVER {
             self.counter = 0;
-            self.due_at = Deadline::after(now, microseconds(self.period_us));
+            self.due_at = Deadline::after(now, self.period);
         }
     }
 
@@ -131,10 +132,10 @@ impl Sync {
     }
 
     /// A SYNC came: its window opens. When that ends, if there is one.
-    pub(crate) fn open_window(&mut self, now: Instant) -> Option<Deadline> {
-        (self.window_us > 0).then(|| {
+    pub(crate) fn open_window(&mut self, now: Moment) -> Option<Deadline> {
+        (self.window > Span::ZERO).then(|| {
             self.is_window_over = false;
-            self.window_ends_at = Deadline::after(now, microseconds(self.window_us));
+            self.window_ends_at = Deadline::after(now, self.window);
             self.window_ends_at
         })
     }
@@ -149,26 +150,23 @@ impl Sync {
         self.is_window_over
     }
 
-    pub(crate) fn due_at(&self) -> Deadline {
-        self.due_at.min(self.window_ends_at)
+    pub(crate) fn due_at(&self, now: Moment) -> Deadline {
+        self.due_at.or_earlier(self.window_ends_at, now)
     }
 
     /// Whether the window ends now.
-    pub(crate) fn take_window_end(&mut self, now: Instant) -> bool {
-        let ends = self.window_ends_at.is_due(now);
-        if ends {
-            self.window_ends_at = Deadline::NEVER;
-            self.is_window_over = true;
-        }
+    pub(crate) fn take_window_end(&mut self, now: Moment) -> bool {
+        let ends = self.window_ends_at.take_due(now);
+        self.is_window_over |= ends;
         ends
     }
 
     /// The SYNC that is to be produced now.
-    pub(crate) fn take_due(&mut self, now: Instant) -> Option<Frame> {
+    pub(crate) fn take_due(&mut self, now: Moment) -> Option<Frame> {
         if !self.due_at.is_due(now) {
             return None;
         }
-        self.due_at = self.due_at.next(now, microseconds(self.period_us));
+        self.due_at = self.due_at.next(now, self.period);
         if self.overflow == 0 {
             return Some(Frame::empty(self.id));
         }
@@ -177,12 +175,9 @@ impl Sync {
     }
 }
 
-fn microseconds(number: u32) -> Duration {
-    Duration::from_micros(u64::from(number))
-}
-
 /// Whether a client may write `raw` to one of the objects of SYNC, which its row permits (CiA 301,
-/// sections 7.5.2.5 and 7.5.2.22). Only a product with a period can be told to produce.
+/// sections 7.5.2.5 and 7.5.2.22). Only a product with a period can be told to produce, and neither
+/// period nor window is longer than 35 minutes and 47 seconds.
 pub(crate) fn check<const LEN: usize>(
     values: &Values<LEN>,
     object: ObjectId,
@@ -201,6 +196,7 @@ pub(crate) fn check<const LEN: usize>(
                 Err(AbortCode::VALUE_RANGE)
             }
         }
+        PERIOD | WINDOW if raw > Span::MAX_US => Err(AbortCode::VALUE_RANGE),
         OVERFLOW if raw == 1 || raw > OVERFLOW_MAX => Err(AbortCode::VALUE_RANGE),
         OVERFLOW if number(values, PERIOD, 0) != 0 => Err(AbortCode::DEVICE_STATE),
         _ => Ok(()),

@@ -1,8 +1,7 @@
 use object_dictionary::{ObjectId, Values};
-use units::{Duration, Instant};
 
 use crate::cob_id::{NodeId, Service};
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::CanId;
 use crate::parameter::{number, parameter};
 
@@ -56,25 +55,28 @@ impl Consumers {
 
     /// Takes a message with an identifier of the error control. Comes back with a producer that had
     /// been lost.
-    pub(crate) fn handle(&mut self, now: Instant, id: CanId) -> Option<NodeId> {
+    pub(crate) fn handle(&mut self, now: Moment, id: CanId) -> Option<NodeId> {
         let is_of = |producer| Service::ErrorControl.id(producer) == id;
         let consumer =
             self.entries.iter_mut().find(|consumer| consumer.producer.is_some_and(is_of))?;
-        let time = Duration::from_millis(u64::from(consumer.time_ms));
+        let time = Span::from_millis(consumer.time_ms.into());
         consumer.expires_at = Deadline::after(now, time);
         core::mem::take(&mut consumer.is_lost).then_some(consumer.producer).flatten()
     }
 
     /// When the next producer counts as lost.
-    pub(crate) fn due_at(&self) -> Deadline {
+    pub(crate) fn due_at(&self, now: Moment) -> Deadline {
         let expiries = self.entries.iter().map(|consumer| consumer.expires_at);
-        expiries.fold(Deadline::NEVER, Deadline::min)
+        expiries.fold(Deadline::NEVER, |first, next| first.or_earlier(next, now))
     }
 
     /// A producer that is lost from now on.
-    pub(crate) fn take_due(&mut self, now: Instant) -> Option<NodeId> {
-        let consumer = self.entries.iter_mut().find(|consumer| consumer.expires_at.is_due(now))?;
-        (consumer.expires_at, consumer.is_lost) = (Deadline::NEVER, true);
+    pub(crate) fn take_due(&mut self, now: Moment) -> Option<NodeId> {
+        let consumer = self
+            .entries
+            .iter_mut()
+            .find_map(|consumer| consumer.expires_at.take_due(now).then_some(consumer))?;
+        consumer.is_lost = true;
         consumer.producer
     }
 

@@ -70,7 +70,7 @@ impl<const LEN: usize> Node<LEN> {
                 match self.state {
                     State::Initialising => {}
                     State::PreOperational | State::Operational | State::Stopped => {
-                        self.heartbeat.restart(self.now);
+                        self.heartbeat.restart(self.now.into());
                     }
                 }
             }
@@ -80,7 +80,7 @@ impl<const LEN: usize> Node<LEN> {
                 }
                 self.update_error_register();
             }
-            0x1014 | 0x1015 => self.emergencies.reread(self.now, &self.values),
+            0x1014 | 0x1015 => self.emergencies.reread(self.now.into(), &self.values),
             index @ 0x1400..=0x17FF => self.reread_rpdo(index),
             index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
             _ => {}
@@ -92,7 +92,7 @@ impl<const LEN: usize> Node<LEN> {
         let before = self.sync.id();
         self.sync.reread(&self.values);
         if self.state.serves_sdo() {
-            self.sync.start(self.now);
+            self.sync.start(self.now.into());
         }
         if self.sync.id() != before {
             self.change_filters();
@@ -106,11 +106,11 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn reread_tpdo(&mut self, index: u16) {
-        if self.tpdos.reread(self.now, index, &self.values, &self.settings.pdo) {
+        if self.tpdos.reread(self.now.into(), index, &self.values, &self.settings.pdo) {
             self.change_filters();
         }
         if self.state == State::Operational {
-            self.tpdos.start(self.now);
+            self.tpdos.start(self.now.into());
         }
     }
 

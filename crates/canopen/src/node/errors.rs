@@ -33,14 +33,14 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Each producer that is missing is an event, a message and a reason to act.
     pub(super) fn give_up_producers(&mut self) {
-        while let Some(producer) = self.monitored.take_due(self.now) {
+        while let Some(producer) = self.monitored.take_due(self.now.into()) {
             self.report(Event::HeartbeatLost { producer });
             self.lose_partner();
         }
     }
 
     pub(super) fn give_up_master(&mut self) {
-        if self.guarded.take_due(self.now) {
+        if self.guarded.take_due(self.now.into()) {
             self.report(Event::GuardingLost);
             self.lose_partner();
         }
@@ -110,6 +110,7 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Messages that were held back go out in the states that have emergency messages.
     pub(super) fn send_waiting_emergencies(&mut self) {
+        self.emergencies.end_inhibit_time(self.now.into());
         if self.state.serves_sdo() {
             self.send_due_emergencies();
         }
@@ -117,12 +118,16 @@ impl<const LEN: usize> Node<LEN> {
 
     #[inline(never)]
     fn send_due_emergencies(&mut self) {
-        while let Some(frame) = self.emergencies.take_due(self.now) {
+        while let Some(frame) = self.emergencies.take(self.now.into()) {
             self.outbox.push_once(frame);
         }
     }
 
     pub(super) fn emergency_due_at(&self) -> Deadline {
-        if self.state.serves_sdo() { self.emergencies.due_at() } else { Deadline::NEVER }
+        if self.state.serves_sdo() {
+            self.emergencies.due_at(self.now.into())
+        } else {
+            self.emergencies.inhibited_until()
+        }
     }
 }

@@ -3,7 +3,6 @@
 use super::{Event, Node};
 use crate::application::Application;
 use crate::cob_id::{self, Service};
-use crate::deadline::Deadline;
 use crate::frame::{CanId, Frame};
 use crate::nmt::{Command, State};
 use crate::pdo::Target;
@@ -68,11 +67,11 @@ impl<const LEN: usize> Node<LEN> {
         if frame.dlc() != 1 {
             return;
         }
-        if let Some(producer) = self.monitored.handle(self.now, frame.id()) {
+        if let Some(producer) = self.monitored.handle(self.now.into(), frame.id()) {
             self.report(Event::HeartbeatRecovered { producer });
             self.update_error_register();
         }
-        self.wake_by(self.monitored.due_at());
+        self.wake_by(self.monitored.due_at(self.now.into()));
     }
 
     fn handle_time(&mut self, frame: &Frame) {
@@ -88,7 +87,7 @@ impl<const LEN: usize> Node<LEN> {
         if id == Service::ErrorControl.id(self.node_id) {
             self.handle_guarding();
         } else {
-            self.tpdos.handle_remote(self.now, id, &self.values, &mut self.outbox);
+            self.tpdos.handle_remote(self.now.into(), id, &self.values, &mut self.outbox);
             self.wake_for_pdos();
         }
     }
@@ -98,7 +97,7 @@ impl<const LEN: usize> Node<LEN> {
         if !self.guarded.is_served() || self.heartbeat.is_on() {
             return;
         }
-        let recovered = self.guarded.handle(self.now);
+        let recovered = self.guarded.handle(self.now.into());
         let answer = self.guarded.answer(self.state.heartbeat_byte());
         self.wake_by(self.guarded.due_at());
         self.send_error_control(answer);
@@ -115,7 +114,7 @@ impl<const LEN: usize> Node<LEN> {
         }
         let waited = self.sdo.is_waiting();
         let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
-        self.sdo.handle(self.now, frame, &mut objects);
+        self.sdo.handle(self.now.into(), frame, &mut objects);
         let effect = objects.effect();
         self.answer();
         if waited || self.sdo.is_waiting() {
@@ -127,7 +126,7 @@ impl<const LEN: usize> Node<LEN> {
             Effect::Changed(slot) => self.note_value(slot),
             Effect::Configured(slot) => {
                 self.configured = Some(slot);
-                self.wake_at = Deadline::at(self.now);
+                self.wake_at = self.now;
             }
             Effect::Store { sub } => self.report(Event::Store { sub }),
             Effect::Restore { sub } => self.report(Event::Restore { sub }),
@@ -151,7 +150,7 @@ impl<const LEN: usize> Node<LEN> {
             self.take_over_waiting(application);
         }
         self.tpdos.handle_sync(counter, &self.values, &mut self.outbox);
-        if let Some(window_ends_at) = self.sync.open_window(self.now) {
+        if let Some(window_ends_at) = self.sync.open_window(self.now.into()) {
             self.wake_by(window_ends_at);
         }
     }
@@ -171,7 +170,7 @@ impl<const LEN: usize> Node<LEN> {
         let Self { values, tpdos, rpdos, .. } = self;
         let target =
             &mut Target { values, tpdos, application, is_late: self.sync.is_window_over() };
-        let Some(outcome) = rpdos.handle_frame(self.now, frame, target) else {
+        let Some(outcome) = rpdos.handle_frame(self.now.into(), frame, target) else {
             return self.handle_rare(frame);
         };
         if let Some(fault) = outcome.fault {

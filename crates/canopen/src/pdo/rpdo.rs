@@ -1,12 +1,11 @@
 use object_dictionary::Values;
-use units::{Duration, Instant};
 
 use super::MAPPING;
 use super::communication::Communication;
 use super::mapping::{Bytes, Mapping};
 use super::target::Target;
 use crate::application::Application;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::{CanId, Frame};
 use crate::settings::{Emergency, ReceiveErrors};
 
@@ -19,7 +18,7 @@ pub(super) struct Rpdo {
     /// None while it is switched off or carries nothing.
     id: CanId,
     reception: Reception,
-    event_time: Duration,
+    event_time: Span,
     mapping: Mapping,
     /// Bytes that wait for a SYNC.
     waiting: Option<Bytes>,
@@ -60,7 +59,7 @@ impl Rpdo {
         Self {
             id: CanId::NONE,
             reception: Reception::Never,
-            event_time: Duration::ZERO,
+            event_time: Span::ZERO,
             mapping: Mapping::default(),
             waiting: None,
             expires_at: Deadline::NEVER,
@@ -82,7 +81,7 @@ impl Rpdo {
         self.mapping.reread(values, index | MAPPING);
         self.id = self.mapping.id(communication.cob_id);
         self.reception = Reception::new(communication.transmission_type);
-        self.event_time = Duration::from_millis(communication.event_time_ms.into());
+        self.event_time = Span::from_millis(communication.event_time_ms);
         self.stop();
     }
 
@@ -95,7 +94,7 @@ impl Rpdo {
     /// Takes a frame with its identifier; `number` is its own.
     pub(super) fn handle<A: Application, const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         number: u16,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
@@ -108,7 +107,7 @@ impl Rpdo {
         if sent < len {
             return Outcome { fault: Some(Fault::TooShort), ..outcome };
         }
-        if self.event_time > Duration::ZERO {
+        if self.event_time > Span::ZERO {
             self.expires_at = Deadline::after(now, self.event_time);
             outcome.goes_on = true;
         }
@@ -149,12 +148,8 @@ impl Rpdo {
     }
 
     /// Whether it is overdue; it then is no more.
-    pub(super) fn take_expired(&mut self, now: Instant) -> bool {
-        let expired = self.expires_at.is_due(now);
-        if expired {
-            self.expires_at = Deadline::NEVER;
-        }
-        expired
+    pub(super) fn take_expired(&mut self, now: Moment) -> bool {
+        self.expires_at.take_due(now)
     }
 }
 

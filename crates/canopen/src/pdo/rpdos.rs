@@ -1,13 +1,12 @@
 use heapless::Vec;
 use object_dictionary::Values;
-use units::Instant;
 
 use super::communication::Communication;
 use super::rpdo::{Outcome, Rpdo};
 use super::target::Target;
 use super::{MAPPING, PDO_MAX, RECEIVE};
 use crate::application::Application;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment};
 use crate::frame::{CanId, Frame};
 
 /// The receive PDOs of a device, each at the place that its number says.
@@ -47,7 +46,7 @@ impl Rpdos {
     #[inline]
     pub(crate) fn handle_frame<A: Application, const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         frame: &Frame,
         target: &mut Target<'_, A, LEN>,
     ) -> Option<Outcome> {
@@ -76,12 +75,13 @@ impl Rpdos {
     }
 
     /// When the next one is overdue.
-    pub(crate) fn due_at(&self) -> Deadline {
-        self.rpdos.iter().map(Rpdo::expires_at).fold(Deadline::NEVER, Deadline::min)
+    pub(crate) fn due_at(&self, now: Moment) -> Deadline {
+        let expiries = self.rpdos.iter().map(Rpdo::expires_at);
+        expiries.fold(Deadline::NEVER, |first, next| first.or_earlier(next, now))
     }
 
     /// The number of one that is overdue; it then is no more.
-    pub(crate) fn take_due(&mut self, now: Instant) -> Option<u16> {
+    pub(crate) fn take_due(&mut self, now: Moment) -> Option<u16> {
         let mut numbered = (0..).zip(&mut self.rpdos);
         numbered.find_map(|(number, rpdo)| rpdo.take_expired(now).then_some(number))
     }

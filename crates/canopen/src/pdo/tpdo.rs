@@ -1,12 +1,11 @@
 use object_dictionary::{Slot, Values};
-use units::{Duration, Instant};
 
 use super::MAPPING;
 use super::communication::Communication;
 use super::mapping::Mapping;
 use super::slots::Slots;
 use super::transmission::Transmission;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::{CanId, DATA_MAX, Frame};
 use crate::outbox::Outbox;
 use crate::settings::{PdoRules, RemoteRequests};
@@ -32,10 +31,11 @@ pub(super) struct Tpdo {
     remote_id: CanId,
     /// The slots whose changes are events.
     watched: Slots,
-    inhibit_time: Duration,
+    inhibit_time: Span,
     /// None at all where the event timer is no event.
-    event_time: Duration,
-    inhibited_until: Instant,
+    event_time: Span,
+    /// Never while it may go out.
+    inhibited_until: Deadline,
     /// Only while the node is Operational and the PDO switched on.
     progress: Option<Progress>,
 }
@@ -61,9 +61,9 @@ impl Tpdo {
             sync_start: 0,
             remote_id: CanId::NONE,
             watched: Slots::EMPTY,
-            inhibit_time: Duration::ZERO,
-            event_time: Duration::ZERO,
-            inhibited_until: Instant::ZERO,
+            inhibit_time: Span::ZERO,
+            event_time: Span::ZERO,
+            inhibited_until: Deadline::NEVER,
             progress: None,
         }
     }
@@ -92,7 +92,7 @@ impl Tpdo {
     /// or mapping begins anew.
     pub(super) fn reread<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         index: u16,
         values: &Values<LEN>,
         communication: &Communication,
@@ -106,12 +106,12 @@ impl Tpdo {
         self.watched =
             if self.transmission.follows_changes() { self.mapping.slots() } else { Slots::EMPTY };
         self.event_time = if self.transmission.follows_timer() {
-            Duration::from_millis(communication.event_time_ms.into())
+            Span::from_millis(communication.event_time_ms)
         } else {
-            Duration::ZERO
+            Span::ZERO
         };
-        self.inhibit_time = rules.inhibit_unit * u64::from(communication.inhibit_time);
-        self.inhibited_until = self.inhibited_until.min(now + self.inhibit_time);
+        self.inhibit_time = Span::from(rules.inhibit_unit).times(communication.inhibit_time);
+        self.inhibited_until = self.inhibited_until.limited(now, self.inhibit_time);
         let answers = match rules.remote_requests {
             RemoteRequests::AllTypes => true,
             RemoteRequests::RemoteTypes => self.transmission.is_remote_only(),
@@ -127,7 +127,7 @@ impl Tpdo {
     }
 
     /// The node is Operational. A PDO in progress goes on.
-    pub(super) fn start(&mut self, now: Instant) {
+    pub(super) fn start(&mut self, now: Moment) {
         if self.id != CanId::NONE && self.progress.is_none() {
             self.progress = Some(Progress {
                 event: !self.watched.is_empty(),
@@ -183,7 +183,7 @@ impl Tpdo {
     /// Takes a remote frame with its identifier.
     pub(super) fn handle_remote<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         values: &Values<LEN>,
         outbox: &mut Outbox,
     ) {
@@ -194,31 +194,37 @@ impl Tpdo {
         }
     }
 
-    /// When an event or the event timer lets it go out, as things stand.
-    pub(super) fn due_at(&self) -> Deadline {
-        let inhibited_until = Deadline::at(self.inhibited_until);
+    /// When the inhibit time ends, or an event or the event timer lets it go out, as things stand.
+    pub(super) fn due_at(&self, now: Moment) -> Deadline {
         match (&self.progress, self.transmission) {
-            (Some(Progress { event: true, .. }), Transmission::Event(_)) => inhibited_until,
-            (Some(progress), _) => progress.timer_at.max(inhibited_until),
+            _ if self.inhibited_until != Deadline::NEVER => self.inhibited_until,
+            (Some(Progress { event: true, .. }), Transmission::Event(_)) => Deadline::at(now),
+            (Some(progress), _) => progress.timer_at,
             (None, _) => Deadline::NEVER,
         }
+    }
+
+    /// Whether it goes out now. An inhibit time that is over ends.
+    pub(super) fn take_due(&mut self, now: Moment) -> bool {
+        self.inhibited_until.take_due(now);
+        self.due_at(now).is_due(now)
     }
 
     /// Goes out for an event.
     pub(super) fn transmit<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         values: &Values<LEN>,
         outbox: &mut Outbox,
     ) {
         if let Some(progress) = &mut self.progress {
             progress.event = false;
             if progress.timer_at != Deadline::NEVER {
-                let from = progress.timer_at.min(Deadline::at(now));
+                let from = progress.timer_at.or_earlier(Deadline::at(now), now);
                 progress.timer_at = from.next(now, self.event_time);
             }
         }
-        self.inhibited_until = now + self.inhibit_time;
+        self.inhibited_until = Deadline::after(now, self.inhibit_time);
         self.send(values, outbox);
     }
 

@@ -1,12 +1,11 @@
 use heapless::Vec;
 use object_dictionary::{Slot, Values};
-use units::Instant;
 
 use super::communication::Communication;
 use super::slots::Slots;
 use super::tpdo::Tpdo;
 use super::{MAPPING, PDO_MAX, TRANSMIT};
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, Moment};
 use crate::frame::CanId;
 use crate::outbox::Outbox;
 use crate::settings::PdoRules;
@@ -21,7 +20,7 @@ pub(crate) struct Tpdos {
 
 impl Tpdos {
     /// The node is Operational. Those in progress go on.
-    pub(crate) fn start(&mut self, now: Instant) {
+    pub(crate) fn start(&mut self, now: Moment) {
         self.tpdos.iter_mut().for_each(|tpdo| tpdo.start(now));
     }
 
@@ -35,7 +34,7 @@ impl Tpdos {
     /// frames.
     pub(crate) fn reread<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         index: u16,
         values: &Values<LEN>,
         rules: &PdoRules,
@@ -106,7 +105,7 @@ impl Tpdos {
     /// Takes a remote frame.
     pub(crate) fn handle_remote<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         id: CanId,
         values: &Values<LEN>,
         outbox: &mut Outbox,
@@ -116,21 +115,24 @@ impl Tpdos {
         }
     }
 
-    /// When the next one goes out.
+    /// When the next one goes out, or its inhibit time ends.
     #[inline(never)]
-    pub(crate) fn due_at(&self) -> Deadline {
-        self.tpdos.iter().map(Tpdo::due_at).fold(Deadline::NEVER, Deadline::min)
+    pub(crate) fn due_at(&self, now: Moment) -> Deadline {
+        let due = self.tpdos.iter().map(|tpdo| tpdo.due_at(now));
+        due.fold(Deadline::NEVER, |first, next| first.or_earlier(next, now))
     }
 
     /// Lets go out what is due.
     pub(crate) fn transmit_due<const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         values: &Values<LEN>,
         outbox: &mut Outbox,
     ) {
-        for tpdo in self.tpdos.iter_mut().filter(|tpdo| tpdo.due_at().is_due(now)) {
-            tpdo.transmit(now, values, outbox);
+        for tpdo in &mut self.tpdos {
+            if tpdo.take_due(now) {
+                tpdo.transmit(now, values, outbox);
+            }
         }
     }
 }

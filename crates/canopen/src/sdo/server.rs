@@ -1,13 +1,13 @@
 use core::mem;
 
 use heapless::Vec;
-use units::Instant;
 
 use super::abort::AbortCode;
 use super::message::{Message, size, word};
 use super::objects::{Effect, Entry, Objects, Purpose, VALUE_MAX};
 use super::transfer::{Step, Transfer};
 use crate::application::{Application, WriteError};
+use crate::deadline::{Deadline, Moment};
 use crate::frame::Frame;
 use crate::settings::{BlockTransfer, Expedited, Settings};
 
@@ -60,7 +60,7 @@ impl Server {
     /// Serves a request. What is answered is in [`Self::take_answer`].
     pub(crate) fn handle<A: Application, const LEN: usize>(
         &mut self,
-        now: Instant,
+        now: Moment,
         frame: &Frame,
         objects: &mut Objects<'_, A, LEN>,
     ) {
@@ -139,8 +139,8 @@ impl Server {
     }
 
     /// Gives a transfer up that waited too long.
-    pub(crate) fn handle_timeout(&mut self, now: Instant, settings: &Settings) {
-        let is_late = |transfer: &mut Transfer| transfer.expires_at <= now;
+    pub(crate) fn handle_timeout(&mut self, now: Moment, settings: &Settings) {
+        let is_late = |transfer: &mut Transfer| transfer.expires_at.is_due(now);
         if let Some(transfer) = self.transfer.take_if(is_late) {
             let code = match transfer.step {
                 Step::Storage => settings.abort_codes.not_stored,
@@ -169,8 +169,8 @@ impl Server {
     }
 
     /// When the transfer in progress is given up.
-    pub(crate) fn poll_timeout(&self) -> Option<Instant> {
-        self.transfer.as_ref().map(|transfer| transfer.expires_at)
+    pub(crate) fn due_at(&self) -> Deadline {
+        self.transfer.as_ref().map_or(Deadline::NEVER, |transfer| transfer.expires_at)
     }
 
     /// Forgets the transfer in progress without a word.

@@ -1,21 +1,20 @@
-use units::{Duration, Instant};
-
 use super::abort::AbortCode;
 use super::message::SEGMENT_LEN;
 use super::objects::Entry;
+use crate::deadline::{Deadline, Moment, Span};
 
 /// A transfer whose client stays silent for this long is given up.
-const SEGMENT_TIMEOUT: Duration = Duration::from_millis(1_000);
+const SEGMENT_TIMEOUT: Span = Span::from_millis(1_000);
 
 /// A client waits no longer than this for parameters to be stored or restored.
-const STORAGE_TIMEOUT: Duration = Duration::from_millis(5_000);
+const STORAGE_TIMEOUT: Span = Span::from_millis(5_000);
 
 /// A request that is not answered yet, or whose value goes in several messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transfer {
     pub(super) entry: Entry,
     pub(super) step: Step,
-    pub(super) expires_at: Instant,
+    pub(super) expires_at: Deadline,
     /// Segments so far: of the present block; of the value, where that goes without blocks.
     pub(super) segments: u8,
     /// Bytes before the present block, which the client has.
@@ -52,7 +51,7 @@ impl Transfer {
         Self {
             entry,
             step,
-            expires_at: Instant::ZERO,
+            expires_at: Deadline::NEVER,
             segments: 0,
             acknowledged: 0,
             block_len: 0,
@@ -61,9 +60,9 @@ impl Transfer {
     }
 
     /// The request that began or went on with the transfer was served at `now`.
-    pub(super) fn wait(&mut self, now: Instant) {
+    pub(super) fn wait(&mut self, now: Moment) {
         let timeout = if self.step == Step::Storage { STORAGE_TIMEOUT } else { SEGMENT_TIMEOUT };
-        self.expires_at = now + timeout;
+        self.expires_at = Deadline::after(now, timeout);
     }
 
     /// Where the next segment to the client begins.

@@ -13,6 +13,7 @@ mod configurable;
 mod device;
 mod emergency;
 mod guarding;
+mod idle;
 mod mapping;
 mod monitor;
 mod nmt;

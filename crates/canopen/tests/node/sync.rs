@@ -276,6 +276,40 @@ fn receive_pdos_behind_the_window_are_late() {
     );
 }
 
+/// Neither the period nor the window is longer than a deadline lies ahead, 35 minutes and 47 seconds.
+#[test]
+fn spans_that_are_too_long_are_refused() {
+    check(
+        "
+        0 boot
+        1 < 605 23 06 10 00 FF FF FF 7F
+        2 < 605 23 07 10 00 FF FF FF 7F
+        3 < 605 23 07 10 00 FF FF FF FF
+        4 < 605 23 06 10 00 FE FF FF 7F
+        5 < 605 23 07 10 00 FE FF FF 7F
+        6 < 605 23 05 10 00 80 00 00 40
+        2147600 end
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0001 < 605 [8] 23 06 10 00 FF FF FF 7F
+            0001 > 585 [8] 80 06 10 00 30 00 09 06
+            0002 < 605 [8] 23 07 10 00 FF FF FF 7F
+            0002 > 585 [8] 80 07 10 00 30 00 09 06
+            0003 < 605 [8] 23 07 10 00 FF FF FF FF
+            0003 > 585 [8] 80 07 10 00 30 00 09 06
+            0004 < 605 [8] 23 06 10 00 FE FF FF 7F
+            0004 > 585 [8] 60 06 10 00 00 00 00 00
+            0005 < 605 [8] 23 07 10 00 FE FF FF 7F
+            0005 > 585 [8] 60 07 10 00 00 00 00 00
+            0006 < 605 [8] 23 05 10 00 80 00 00 40
+            0006 > 585 [8] 60 05 10 00 00 00 00 00
+            2147489 > 080 [0]
+        "#]],
+    );
+}
+
 /// CiA 301, section 7.5.2.7: a transmit PDO that found no mailbox in the window does not follow
 /// later.
 #[test]
