@@ -1,7 +1,7 @@
 //! DEV1 on the stack of this repository.
 
 use canopen::{Application, CanId, Event, Frame, Node, NodeId, WriteError, lss};
-use dev1::{DICTIONARY, Device, LEN, NODE_ID};
+use dev1::{BuiltIn, DICTIONARY, Device, LEN, NODE_ID};
 use object_dictionary::{ObjectId, Row, Slot};
 use units::Instant;
 
@@ -10,7 +10,7 @@ use crate::{Bus, Stack, input_8, input_32};
 /// The stack of this repository.
 #[derive(Debug)]
 pub struct Spindle<D = Device> {
-    node: Node<LEN>,
+    node: Node<LEN, BuiltIn>,
     device: D,
 }
 

@@ -86,7 +86,7 @@ pub use pdo::Mapped;
 pub use sdo::AbortCode;
 pub use settings::{
     AbortCodes, AdditionalInformation, BlockTransfer, BusOff, BusRules, Emergency, ErrorBehaviour,
-    Expedited, Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings,
-    SyncDivision, Trigger,
+    Expedited, Identifiers, PdoChanges, PdoRules, ProductSettings, ReceiveErrors, RemoteRequests,
+    Settings, SyncDivision, Trigger,
 };
 pub use time::TimeOfDay;

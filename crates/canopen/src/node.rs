@@ -21,7 +21,7 @@ use crate::outbox::Outbox;
 use crate::parameter::number;
 use crate::pdo::{PDO_MAX, Rpdos, Tpdos};
 use crate::sdo;
-use crate::settings::{BusOff, Emergency, Settings};
+use crate::settings::{BusOff, Emergency, ProductSettings, Settings};
 use crate::sync::Sync;
 use crate::time::TimeOfDay;
 use errors::ErrorClass;
@@ -49,10 +49,10 @@ const SELF_STARTING: u32 = 1 << 3;
 /// [`Self::handle_timeout`] no later than [`Self::poll_timeout`] says. A late call acts late; one that
 /// is more than half an hour late may take what is overdue for what lies ahead.
 ///
-/// `LEN` is the length of the product's dictionary.
+/// `LEN` is the length of the product's dictionary, `S` says where its settings are.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Node<const LEN: usize> {
+pub struct Node<const LEN: usize, S = &'static Settings> {
     // In this order the processor reaches what every call needs with its shortest instructions.
     state: State,
     node_id: NodeId,
@@ -72,7 +72,7 @@ pub struct Node<const LEN: usize> {
     /// Nothing is due before; [`NEVER`] while the node waits for nothing.
     wake_at: Instant,
     screen: Screen,
-    settings: &'static Settings,
+    settings: S,
     sync: Sync,
     heartbeat: heartbeat::Producer,
     guarded: Guarded,
@@ -157,15 +157,11 @@ pub enum Event {
     },
 }
 
-impl<const LEN: usize> Node<LEN> {
+impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     /// A node with all values at their defaults. It sends nothing and listens to nothing until
     /// [`Self::boot`]; stored values are set before.
     #[must_use]
-    pub fn new(
-        dictionary: &'static Dictionary,
-        node_id: NodeId,
-        settings: &'static Settings,
-    ) -> Self {
+    pub fn new(dictionary: &'static Dictionary, node_id: NodeId, settings: S) -> Self {
         let mut node = Self {
             node_id,
             settings,
@@ -254,7 +250,7 @@ impl<const LEN: usize> Node<LEN> {
     fn serve_due(&mut self, application: &mut impl Application) {
         self.follow_master();
         let now = self.now.into();
-        self.sdo.handle_timeout(now, self.settings);
+        self.sdo.handle_timeout(now, self.settings());
         self.answer();
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
@@ -322,8 +318,8 @@ impl<const LEN: usize> Node<LEN> {
         if to.is_impaired() {
             self.update_error_register();
         }
-        self.say(&self.settings.bus.message(from, to));
-        if to == BusState::Off && self.settings.bus.off == BusOff::CommunicationError {
+        self.say(&self.settings().bus.message(from, to));
+        if to == BusState::Off && self.settings().bus.off == BusOff::CommunicationError {
             self.react(ErrorClass::Communication);
         }
         self.update_error_register();
@@ -332,7 +328,7 @@ impl<const LEN: usize> Node<LEN> {
 
     /// Frames were lost because they came faster than they were taken from the CAN controller.
     pub fn handle_overrun(&mut self) {
-        self.say(&self.settings.bus.overrun);
+        self.say(&self.settings().bus.overrun);
     }
 
     /// Records an error in the pre-defined error field and sends an emergency message with the
@@ -358,7 +354,7 @@ impl<const LEN: usize> Node<LEN> {
             self.sync.id(),
             self.time,
             Service::SdoRequest.id(self.node_id),
-            self.settings.lss.map_or(CanId::NONE, |_| lss::REQUEST),
+            self.settings().lss.map_or(CanId::NONE, |_| lss::REQUEST),
         ]
         .into_iter()
         .filter(|&id| id != CanId::NONE)
@@ -390,7 +386,7 @@ impl<const LEN: usize> Node<LEN> {
     /// What became of [`Event::Store`] or [`Event::Restore`]: the client gets its answer, if it still
     /// waits.
     pub fn handle_stored(&mut self, outcome: Result<(), WriteError>) {
-        self.sdo.handle_stored(outcome, self.settings);
+        self.sdo.handle_stored(outcome, self.settings());
         self.answer();
         self.schedule();
     }
@@ -443,7 +439,7 @@ impl<const LEN: usize> Node<LEN> {
     }
 }
 
-impl<const LEN: usize> Node<LEN> {
+impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     fn change_value(&mut self, slot: Slot, raw: u32) {
         if self.values.raw(slot) != raw {
             self.follow_master();
@@ -462,8 +458,12 @@ impl<const LEN: usize> Node<LEN> {
         }
         self.has_news = false;
         let lost = self.outbox.take_overflow()?;
-        self.say(&self.settings.bus.overflow);
+        self.say(&self.settings().bus.overflow);
         Some(Event::TransmitOverflow { lost })
+    }
+
+    fn settings(&self) -> &'static Settings {
+        self.settings.settings()
     }
 
     fn answer(&mut self) {
@@ -475,7 +475,7 @@ impl<const LEN: usize> Node<LEN> {
 
     fn start_lss(&mut self, node_id: Option<NodeId>) {
         let identity = self.identity();
-        self.lss = self.settings.lss.map(|settings| lss::Slave::new(settings, identity, node_id));
+        self.lss = self.settings().lss.map(|settings| lss::Slave::new(settings, identity, node_id));
     }
 
     /// None for a node that is silent and deaf.
@@ -540,7 +540,7 @@ impl<const LEN: usize> Node<LEN> {
     fn report_overdue(&mut self) {
         while let Some(number) = self.rpdos.take_due(self.now.into()) {
             self.report(Event::PdoOverdue { number });
-            self.say(&self.settings.receive_errors.overdue);
+            self.say(&self.settings().receive_errors.overdue);
         }
     }
 

@@ -26,6 +26,20 @@ pub struct Settings {
     pub abort_codes: AbortCodes,
 }
 
+/// Where a node has its settings from. A reference suits products that are chosen at run time. A type
+/// without data that returns a constant suits a program for one product: it then has no code for
+/// what only others do.
+pub trait ProductSettings: Copy {
+    /// The settings, always the same ones.
+    fn settings(self) -> &'static Settings;
+}
+
+impl ProductSettings for &'static Settings {
+    fn settings(self) -> &'static Settings {
+        self
+    }
+}
+
 /// How PDOs are configured and sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PdoRules {

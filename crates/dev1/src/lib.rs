@@ -6,7 +6,9 @@
 //! conformance test can be compared.
 #![no_std]
 
-use canopen::{Application, BlockTransfer, Node, NodeId, Settings, WriteError, lss};
+use canopen::{
+    Application, BlockTransfer, Node, NodeId, ProductSettings, Settings, WriteError, lss,
+};
 use object_dictionary::{Number, Object, PdoMapping, Row, Slot, Value};
 
 /// Its node-ID.
@@ -15,6 +17,16 @@ pub const NODE_ID: NodeId = NodeId::new(0x10).expect("16 is a node-ID");
 /// As CiA 301 has it, with all that is optional.
 pub static SETTINGS: Settings =
     Settings { lss: Some(&lss::Settings::CIA_305), ..Settings::CIA_301 };
+
+/// [`SETTINGS`], known to the compiler wherever they are used.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltIn;
+
+impl ProductSettings for BuiltIn {
+    fn settings(self) -> &'static Settings {
+        &SETTINGS
+    }
+}
 
 /// Bytes of the block, 0x2000.
 pub const BLOB_LEN: usize = 64;
@@ -190,8 +202,8 @@ object_dictionary::product! {
 
 /// The device with everything but its node-ID as at delivery, before its boot-up message.
 #[must_use]
-pub fn node(node_id: NodeId) -> Node<LEN> {
-    Node::new(&DICTIONARY, node_id, &SETTINGS)
+pub fn node(node_id: NodeId) -> Node<LEN, BuiltIn> {
+    Node::new(&DICTIONARY, node_id, BuiltIn)
 }
 
 /// What stands behind the dictionary: the block of bytes.

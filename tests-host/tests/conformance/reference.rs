@@ -9,7 +9,7 @@ use crate::master::Sent;
 
 /// The device, its memory and the bus.
 pub(crate) struct Reference {
-    node: Node<{ dev1::LEN }>,
+    node: Node<{ dev1::LEN }, dev1::BuiltIn>,
     device: Device,
     now: Instant,
     memory: Vec<(Slot, u32)>,

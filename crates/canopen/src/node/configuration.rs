@@ -7,11 +7,12 @@ use crate::acceptance::Screen;
 use crate::heartbeat;
 use crate::nmt::State;
 use crate::parameter::number;
+use crate::settings::ProductSettings;
 use crate::time;
 
 const HEARTBEAT_TIME: u16 = 0x1017;
 
-impl<const LEN: usize> Node<LEN> {
+impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     /// Takes all values over that services follow, as if they had been written. A service reads all
     /// of its objects at once, and so do PDOs; only monitored producers have an entry each.
     pub(super) fn configure(&mut self) {
@@ -106,7 +107,8 @@ impl<const LEN: usize> Node<LEN> {
     }
 
     fn reread_tpdo(&mut self, index: u16) {
-        if self.tpdos.reread(self.now.into(), index, &self.values, &self.settings.pdo) {
+        let rules = &self.settings().pdo;
+        if self.tpdos.reread(self.now.into(), index, &self.values, rules) {
             self.change_filters();
         }
         if self.state == State::Operational {

@@ -7,7 +7,7 @@ use crate::deadline::Deadline;
 use crate::emcy;
 use crate::nmt::State;
 use crate::parameter::parameter;
-use crate::settings::{Emergency, ErrorBehaviour};
+use crate::settings::{Emergency, ErrorBehaviour, ProductSettings};
 
 const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 
@@ -23,7 +23,7 @@ pub(super) enum ErrorClass {
     Manufacturer,
 }
 
-impl<const LEN: usize> Node<LEN> {
+impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     #[inline(never)]
     pub(super) fn say(&mut self, emergency: &Option<Emergency>) {
         if let Some(emergency) = emergency {
@@ -76,7 +76,7 @@ impl<const LEN: usize> Node<LEN> {
         const NO_CHANGE: u32 = 1;
         const TO_STOPPED: u32 = 2;
         const RESET: u32 = 3;
-        let acts = match self.settings.error_behaviour {
+        let acts = match self.settings().error_behaviour {
             ErrorBehaviour::InOperational => self.state == State::Operational,
             ErrorBehaviour::InEveryState => self.state != State::Initialising,
         };
@@ -100,8 +100,8 @@ impl<const LEN: usize> Node<LEN> {
         if !state.serves_sdo() {
             return;
         }
-        let Self { values, settings, .. } = self;
-        self.emergencies.raise(emergency, values, settings);
+        let settings = self.settings();
+        self.emergencies.raise(emergency, &mut self.values, settings);
         if self.emergencies.is_uninhibited() && self.state != State::Initialising {
             self.send_due_emergencies();
         }

@@ -7,10 +7,11 @@ use crate::frame::{CanId, Frame};
 use crate::nmt::{Command, State};
 use crate::pdo::Target;
 use crate::sdo::{Effect, Objects};
+use crate::settings::ProductSettings;
 use crate::sync;
 use crate::time::TimeOfDay;
 
-impl<const LEN: usize> Node<LEN> {
+impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     /// Hands a frame to who listens to it, the frequent ones first. The handlers are functions of
     /// their own: none pays for the registers and the stack of another.
     #[inline]
@@ -139,7 +140,7 @@ impl<const LEN: usize> Node<LEN> {
         let counter = match self.sync.receive(frame) {
             sync::Received::Sync { counter } => counter,
             sync::Received::UnexpectedLength => {
-                return self.say(&self.settings.receive_errors.sync_length);
+                return self.say(&self.settings().receive_errors.sync_length);
             }
             sync::Received::Nothing => return,
         };
@@ -174,7 +175,7 @@ impl<const LEN: usize> Node<LEN> {
             return self.handle_rare(frame);
         };
         if let Some(fault) = outcome.fault {
-            self.say(fault.emergency(&self.settings.receive_errors));
+            self.say(fault.emergency(&self.settings().receive_errors));
         }
         if outcome.goes_on {
             self.follow_values();

@@ -4,6 +4,7 @@ use super::objects::{Entry, Objects, Purpose};
 use super::server::Server;
 use super::transfer::{Step, Transfer, going_on};
 use crate::application::Application;
+use crate::settings::ProductSettings;
 
 /// Most segments in a block (CiA 301, section 7.2.4.3.9), and what the server asks for.
 const BLOCK_LEN_MAX: u8 = 127;
@@ -25,10 +26,10 @@ const LAST: u8 = 1 << 7;
 /// Values on their way in blocks (CiA 301, sections 7.2.4.3.9 to 7.2.4.3.16).
 impl Server {
     /// A request of an upload.
-    pub(super) fn block_upload<A: Application, const LEN: usize>(
+    pub(super) fn block_upload<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         let command = request.command();
         match command & 3 {
@@ -85,10 +86,10 @@ impl Server {
     }
 
     /// A request of a download, other than a segment.
-    pub(super) fn block_download<A: Application, const LEN: usize>(
+    pub(super) fn block_download<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         let command = request.command();
         if command & 1 == 0 {
@@ -112,10 +113,10 @@ impl Server {
 
     /// Takes a segment, and answers the last one of a block. What is not in order is asked for again
     /// after the block.
-    pub(super) fn block_segment<A: Application, const LEN: usize>(
+    pub(super) fn block_segment<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         segment: Message,
-        objects: &Objects<'_, A, LEN>,
+        objects: &Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         let transfer = going_on(&mut self.transfer, Step::BlockDownload)?;
         let [command, data @ ..] = segment.to_bytes();

@@ -12,7 +12,7 @@ use crate::heartbeat;
 use crate::nmt::State;
 use crate::parameter::parameter;
 use crate::pdo;
-use crate::settings::{Expedited, Identifiers, Settings};
+use crate::settings::{Expedited, Identifiers, ProductSettings, Settings};
 use crate::sync;
 use crate::time;
 
@@ -29,10 +29,10 @@ const LOAD: u32 = u32::from_le_bytes(*b"load");
 
 /// The object dictionary as a client meets it. The checks come in one order, so that a request
 /// fails for one reason only: index, sub-index, access, NMT state, length, value, application.
-pub(crate) struct Objects<'a, A, const LEN: usize> {
+pub(crate) struct Objects<'a, A, S, const LEN: usize> {
     values: &'a mut Values<LEN>,
     application: &'a mut A,
-    settings: &'a Settings,
+    settings: S,
     state: State,
     effect: Effect,
 }
@@ -74,11 +74,11 @@ pub(super) enum Purpose {
     Write,
 }
 
-impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
+impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S, LEN> {
     pub(crate) fn new(
         values: &'a mut Values<LEN>,
         application: &'a mut A,
-        settings: &'a Settings,
+        settings: S,
         state: State,
     ) -> Self {
         Self { values, application, settings, state, effect: Effect::None }
@@ -93,8 +93,8 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         self.effect = Effect::None;
     }
 
-    pub(super) const fn settings(&self) -> &'a Settings {
-        self.settings
+    pub(super) fn settings(&self) -> &'static Settings {
+        self.settings.settings()
     }
 
     /// The entry, if it may be read or written now.
@@ -157,13 +157,13 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     /// The code for a length that is not the entry's.
     pub(super) fn length_code(&self, row: Row) -> AbortCode {
         match row.data_type() {
-            DataType::VisibleString(_) => self.settings.abort_codes.text_length,
+            DataType::VisibleString(_) => self.settings().abort_codes.text_length,
             DataType::Unsigned8
             | DataType::Unsigned16
             | DataType::Unsigned32
             | DataType::Integer8
             | DataType::Integer16
-            | DataType::Integer32 => self.settings.abort_codes.number_length,
+            | DataType::Integer32 => self.settings().abort_codes.number_length,
         }
     }
 
@@ -175,7 +175,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         indicated: Option<u32>,
         data: u32,
     ) -> Result<(), AbortCode> {
-        let (expedited, codes) = (self.settings.expedited, &self.settings.abort_codes);
+        let (expedited, codes) = (self.settings().expedited, &self.settings().abort_codes);
         let Entry { row, len, .. } = entry;
         let (len, is_text) = (u32::from(len), row.data_type().is_text());
         let fits = match (expedited, indicated) {
@@ -209,7 +209,8 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
         }
         if row.data_type().is_text() {
             let written = self.application.write_text(slot, &row, bytes);
-            return written.map_err(|error| AbortCode::of_write(error, &self.settings.abort_codes));
+            return written
+                .map_err(|error| AbortCode::of_write(error, &self.settings().abort_codes));
         }
         self.write_number(entry, word(bytes))
     }
@@ -218,7 +219,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
     #[inline]
     pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<(), AbortCode> {
         let Entry { slot, row, .. } = entry;
-        let codes = &self.settings.abort_codes;
+        let codes = &self.settings().abort_codes;
         let raw = row.data_type().widen(raw);
         row.check(raw).map_err(|outside| match outside {
             OutOfLimits::Above => codes.above_maximum,
@@ -277,7 +278,7 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             (emcy::HISTORY, 0) => raw == 0,
             (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
             // The row is all there is to check.
-            (sync::COB_ID | emcy::COB_ID, 0) if self.settings.identifiers == Identifiers::Any => {
+            (sync::COB_ID | emcy::COB_ID, 0) if self.settings().identifiers == Identifiers::Any => {
                 return Ok(());
             }
             (emcy::COB_ID, 0) => CobId::from_raw(raw).suits_emergency(),
@@ -288,10 +289,10 @@ impl<'a, A: Application, const LEN: usize> Objects<'a, A, LEN> {
             _ => true,
         };
         if !possible {
-            return Err(self.settings.abort_codes.value_range);
+            return Err(self.settings().abort_codes.value_range);
         }
         match object.index {
-            0x1400..=0x1BFF => pdo::check(self.values, self.settings, object, raw),
+            0x1400..=0x1BFF => pdo::check(self.values, self.settings(), object, raw),
             _ => sync::check(self.values, object, raw),
         }
     }

@@ -4,6 +4,7 @@ use super::objects::Objects;
 use super::server::Server;
 use super::transfer::{Step, Transfer, going_on};
 use crate::application::Application;
+use crate::settings::ProductSettings;
 
 /// The answer to a segment of the client.
 const DOWNLOAD_ANSWER: u8 = 0x20;
@@ -32,10 +33,10 @@ impl Server {
     }
 
     /// The client has the next segment.
-    pub(super) fn download_segment<A: Application, const LEN: usize>(
+    pub(super) fn download_segment<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         let transfer = going_on(&mut self.transfer, Step::Download)?;
         let [command, data @ ..] = request.to_bytes();

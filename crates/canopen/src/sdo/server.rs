@@ -9,7 +9,7 @@ use super::transfer::{Step, Transfer};
 use crate::application::{Application, WriteError};
 use crate::deadline::{Deadline, Moment};
 use crate::frame::Frame;
-use crate::settings::{BlockTransfer, Expedited, Settings};
+use crate::settings::{BlockTransfer, Expedited, ProductSettings, Settings};
 
 /// Bytes of a whole message, and of its command and object.
 const LEN_MAX: u8 = 8;
@@ -58,11 +58,11 @@ enum Storage {
 
 impl Server {
     /// Serves a request. What is answered is in [`Self::take_answer`].
-    pub(crate) fn handle<A: Application, const LEN: usize>(
+    pub(crate) fn handle<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         now: Moment,
         frame: &Frame,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) {
         let request = Message::received(frame);
         let (command, len) = (request.command(), frame.dlc());
@@ -89,11 +89,11 @@ impl Server {
 
     /// Serves what belongs to transfers of several messages, and what is unknown.
     #[inline(never)]
-    fn go_on<A: Application, const LEN: usize>(
+    fn go_on<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
         len: u8,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         let serves_blocks = A::BLOCK_TRANSFER == BlockTransfer::Served && len == LEN_MAX;
         match request.command() {
@@ -178,10 +178,10 @@ impl Server {
         self.transfer = None;
     }
 
-    fn upload<A: Application, const LEN: usize>(
+    fn upload<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         self.transfer = None;
         let entry = objects.find(request.object(), Purpose::Read)?;
@@ -225,11 +225,11 @@ impl Server {
         });
     }
 
-    fn download_expedited<A: Application, const LEN: usize>(
+    fn download_expedited<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
         frame_len: u8,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         self.transfer = None;
         let indicated = indicated(request.command());
@@ -256,12 +256,12 @@ impl Server {
     }
 
     /// Begins to take a value of several messages, which may have its size in the request.
-    pub(super) fn accept<A: Application, const LEN: usize>(
+    pub(super) fn accept<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
         has_size: bool,
         step: Step,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<&mut Transfer, AbortCode> {
         self.transfer = None;
         let entry = objects.find(request.object(), Purpose::Write)?;
@@ -278,11 +278,11 @@ impl Server {
     }
 
     /// A value was written. The answer waits for the storage if that has to act.
-    pub(super) fn finish<A: Application, const LEN: usize>(
+    pub(super) fn finish<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         entry: Entry,
         answer: Message,
-        objects: &mut Objects<'_, A, LEN>,
+        objects: &mut Objects<'_, A, S, LEN>,
     ) -> Result<(), AbortCode> {
         match (objects.effect(), self.storage) {
             (Effect::None | Effect::Changed(_) | Effect::Configured(_), _) => {
