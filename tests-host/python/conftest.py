@@ -72,8 +72,9 @@ def node(network):
 
 def restart(node):
     """Sends Reset Node and waits for the boot-up message."""
+    boot_up = BootUp(node.network, node.id)
     node.nmt.state = "RESET"
-    node.nmt.wait_for_bootup(timeout=ANSWER_TIME_MAX_S)
+    boot_up.next()
 
 
 class Messages:
@@ -87,3 +88,15 @@ class Messages:
 
     def next(self):
         return self.queue.get(timeout=ANSWER_TIME_MAX_S)
+
+
+class BootUp(Messages):
+    """The boot-up messages of a node from here on, however soon they come."""
+
+    def __init__(self, network, node_id):
+        super().__init__()
+        network.subscribe(0x700 + node_id, self)
+
+    def __call__(self, can_id, data, timestamp):
+        if data == b"\0":
+            self.queue.put(data)

@@ -35,13 +35,11 @@ def network(bench):
 def node(bench, network):
     """The device in Pre-operational, after a power-up that the master has seen."""
     node = network.add_node(remote_node(NODE_ID))
-    boot_up = conftest.Messages()
-    network.subscribe(0x700 + NODE_ID, boot_up)
+    boot_up = conftest.BootUp(network, NODE_ID)
     bench.tell("power", on=False)
     bench.tell("power", on=True)
     boot_up.next()
-    yield node
-    network.unsubscribe(0x700 + NODE_ID, boot_up)
+    return node
 
 
 def remote_node(node_id):
@@ -161,7 +159,7 @@ def test_layer_settings(network, node):
     """Selected by its identity, it loses its node-ID; then fastscan finds it, and it gets another."""
     other_id = 0x21
     lss = network.lss
-    network.subscribe(0x700 + other_id, boot_up := conftest.Messages())
+    boot_up = conftest.BootUp(network, other_id)
     assert lss.send_switch_state_selective(*IDENTITY)
     assert lss.inquire_node_id() == NODE_ID
     lss.configure_node_id(NODE_ID_NONE)

@@ -53,8 +53,9 @@ def test_node_id_and_bit_rate(encoder):
     network.disconnect()
     fast = attach(bench, 1_000_000)
     node = fast.add_node(canopen.RemoteNode(9, canopen.ObjectDictionary()))
+    boot_up = conftest.BootUp(fast, 9)
     bench.tell("power", on=True)
-    node.nmt.wait_for_bootup(conftest.ANSWER_TIME_MAX_S)
+    boot_up.next()
     assert node.sdo.upload(0x2101, 0) == b"\x09"
     assert node.sdo.upload(0x2100, 0) == b"\x08"
     fast.disconnect()

@@ -39,8 +39,9 @@ def test_node_states_and_heartbeat(device):
         beats.next()
         beats.next()
         assert device.nmt.state == state
+    boot_up = conftest.BootUp(device.network, NODE_ID)
     device.nmt.state = "RESET COMMUNICATION"
-    device.nmt.wait_for_bootup(conftest.ANSWER_TIME_MAX_S)
+    boot_up.next()
     assert device.sdo["Producer heartbeat time"].raw == 0
 
 
