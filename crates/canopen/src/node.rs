@@ -2,6 +2,8 @@ mod configuration;
 mod errors;
 mod reception;
 
+use core::ops::Deref;
+
 use heapless::Deque;
 use object_dictionary::{Dictionary, Slot, Values};
 use units::Instant;
@@ -76,7 +78,7 @@ pub struct Node<const LEN: usize, S = &'static Settings> {
     sync: Sync,
     heartbeat: heartbeat::Producer,
     guarded: Guarded,
-    lss: Option<lss::Slave>,
+    lss: Option<lss::Slave<LayerSettings<S>>>,
     sdo: sdo::Server,
     outbox: Outbox,
     rpdos: Rpdos,
@@ -85,6 +87,18 @@ pub struct Node<const LEN: usize, S = &'static Settings> {
     monitored: heartbeat::Consumers,
     events: Deque<Event, EVENTS_MAX>,
     values: Values<LEN>,
+}
+
+/// The settings of layer setting services, of a product that has them.
+#[derive(Clone, Copy, Debug)]
+struct LayerSettings<S>(S);
+
+impl<S: ProductSettings> Deref for LayerSettings<S> {
+    type Target = lss::Settings;
+
+    fn deref(&self) -> &lss::Settings {
+        self.0.settings().lss.unwrap_or(&lss::Settings::CIA_305)
+    }
 }
 
 /// What the core above a node has to know.
@@ -474,12 +488,12 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     }
 
     fn start_lss(&mut self, node_id: Option<NodeId>) {
-        let identity = self.identity();
-        self.lss = self.settings().lss.map(|settings| lss::Slave::new(settings, identity, node_id));
+        let (identity, settings) = (self.identity(), LayerSettings(self.settings));
+        self.lss = self.settings().lss.map(|_| lss::Slave::new(settings, identity, node_id));
     }
 
     /// None for a node that is silent and deaf.
-    fn lss_slave(&mut self) -> Option<&mut lss::Slave> {
+    fn lss_slave(&mut self) -> Option<&mut lss::Slave<LayerSettings<S>>> {
         let listens = self.screen.passes(lss::REQUEST);
         self.lss.as_mut().filter(|_| listens)
     }

@@ -1,4 +1,5 @@
 use core::mem;
+use core::ops::Deref;
 
 use units::Duration;
 
@@ -48,8 +49,8 @@ const OUT_OF_RANGE: u8 = 1;
 /// It acts on nothing itself: what a master configures is pending until the core above builds a
 /// node with it, and stored when the core has stored it. It has no deadlines.
 #[derive(Debug)]
-pub struct Slave {
-    settings: &'static Settings,
+pub struct Slave<S = &'static Settings> {
+    settings: S,
     /// Its parts in the order of the identity object.
     identity: [u32; 4],
     node_id: Option<NodeId>,
@@ -174,11 +175,11 @@ impl RequestLength {
     }
 }
 
-impl Slave {
+impl<S: Deref<Target = Settings>> Slave<S> {
     /// A slave in waiting, of a device with this identity and, once it has one, node-ID.
     #[must_use]
-    pub const fn new(
-        settings: &'static Settings,
+    pub fn new(
+        settings: S,
         identity: Identity,
         node_id: Option<NodeId>,
     ) -> Self {
@@ -272,7 +273,7 @@ impl Slave {
     }
 }
 
-impl Slave {
+impl<S: Deref<Target = Settings>> Slave<S> {
     /// To waiting or to configuration.
     fn switch_to(&mut self, to: State) -> Option<Reaction> {
         let event = match (mem::replace(&mut self.state, to), to) {
