@@ -66,7 +66,7 @@ impl Producer {
     /// Records an error and takes the message for it. It waits for [`Self::take_due`].
     pub(crate) fn raise<const LEN: usize>(
         &mut self,
-        emergency: &Emergency,
+        emergency: Emergency,
         values: &mut Values<LEN>,
         settings: &Settings,
     ) {

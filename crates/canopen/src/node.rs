@@ -96,6 +96,7 @@ struct LayerSettings<S>(S);
 impl<S: ProductSettings> Deref for LayerSettings<S> {
     type Target = lss::Settings;
 
+    #[inline]
     fn deref(&self) -> &lss::Settings {
         self.0.settings().lss.unwrap_or(&lss::Settings::CIA_305)
     }
@@ -332,7 +333,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         if to.is_impaired() {
             self.update_error_register();
         }
-        self.say(&self.settings().bus.message(from, to));
+        self.say(self.settings().bus.message(from, to));
         if to == BusState::Off && self.settings().bus.off == BusOff::CommunicationError {
             self.react(ErrorClass::Communication);
         }
@@ -342,14 +343,14 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
 
     /// Frames were lost because they came faster than they were taken from the CAN controller.
     pub fn handle_overrun(&mut self) {
-        self.say(&self.settings().bus.overrun);
+        self.say(self.settings().bus.overrun);
     }
 
     /// Records an error in the pre-defined error field and sends an emergency message with the
     /// present error register. Nothing in a state that has no emergency messages: Initialising and
     /// Stopped (CiA 301, table 39). Messages inside the inhibit time wait.
     pub fn send_emergency(&mut self, error_code: u16, manufacturer: [u8; 5]) {
-        self.raise(self.state, &Emergency { code: error_code, manufacturer });
+        self.raise(self.state, Emergency { code: error_code, manufacturer });
     }
 
     /// What happened, the oldest first.
@@ -472,10 +473,11 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         }
         self.has_news = false;
         let lost = self.outbox.take_overflow()?;
-        self.say(&self.settings().bus.overflow);
+        self.say(self.settings().bus.overflow);
         Some(Event::TransmitOverflow { lost })
     }
 
+    #[inline]
     fn settings(&self) -> &'static Settings {
         self.settings.settings()
     }
@@ -554,7 +556,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     fn report_overdue(&mut self) {
         while let Some(number) = self.rpdos.take_due(self.now.into()) {
             self.report(Event::PdoOverdue { number });
-            self.say(&self.settings().receive_errors.overdue);
+            self.say(self.settings().receive_errors.overdue);
         }
     }
 

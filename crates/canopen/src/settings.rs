@@ -35,6 +35,7 @@ pub trait ProductSettings: Copy {
 }
 
 impl ProductSettings for &'static Settings {
+    #[inline]
     fn settings(self) -> &'static Settings {
         self
     }

@@ -23,6 +23,7 @@ pub static SETTINGS: Settings =
 pub struct BuiltIn;
 
 impl ProductSettings for BuiltIn {
+    #[inline]
     fn settings(self) -> &'static Settings {
         &SETTINGS
     }

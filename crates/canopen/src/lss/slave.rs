@@ -178,11 +178,7 @@ impl RequestLength {
 impl<S: Deref<Target = Settings>> Slave<S> {
     /// A slave in waiting, of a device with this identity and, once it has one, node-ID.
     #[must_use]
-    pub fn new(
-        settings: S,
-        identity: Identity,
-        node_id: Option<NodeId>,
-    ) -> Self {
+    pub fn new(settings: S, identity: Identity, node_id: Option<NodeId>) -> Self {
         let Identity { vendor_id, product_code, revision, serial } = identity;
         Self {
             settings,

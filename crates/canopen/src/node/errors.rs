@@ -24,8 +24,7 @@ pub(super) enum ErrorClass {
 }
 
 impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
-    #[inline(never)]
-    pub(super) fn say(&mut self, emergency: &Option<Emergency>) {
+    pub(super) fn say(&mut self, emergency: Option<Emergency>) {
         if let Some(emergency) = emergency {
             self.raise(self.state, emergency);
         }
@@ -51,7 +50,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         self.update_error_register();
         let state = self.state;
         self.react(ErrorClass::Communication);
-        self.raise(state, &emcy::PARTNER_LOST);
+        self.raise(state, emcy::PARTNER_LOST);
     }
 
     pub(super) fn update_error_register(&mut self) {
@@ -62,7 +61,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         let (before, after) = (self.values.raw(slot), u32::from(self.device_errors | own));
         self.change_value(slot, after);
         if before != 0 && after == 0 {
-            self.raise(self.state, &emcy::ERROR_RESET);
+            self.raise(self.state, emcy::ERROR_RESET);
         }
         if !before & after & MANUFACTURER_ERROR != 0 {
             self.react(ErrorClass::Manufacturer);
@@ -96,7 +95,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
 
     /// Takes an error that came in `state`, if that has emergency messages.
     #[inline(never)]
-    pub(super) fn raise(&mut self, state: State, emergency: &Emergency) {
+    pub(super) fn raise(&mut self, state: State, emergency: Emergency) {
         if !state.serves_sdo() {
             return;
         }

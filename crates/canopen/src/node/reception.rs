@@ -140,7 +140,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         let counter = match self.sync.receive(frame) {
             sync::Received::Sync { counter } => counter,
             sync::Received::UnexpectedLength => {
-                return self.say(&self.settings().receive_errors.sync_length);
+                return self.say(self.settings().receive_errors.sync_length);
             }
             sync::Received::Nothing => return,
         };

@@ -155,11 +155,11 @@ impl Rpdo {
 
 impl Fault {
     /// What is to be said about it.
-    pub(crate) const fn emergency(self, errors: &ReceiveErrors) -> &Option<Emergency> {
+    pub(crate) const fn emergency(self, errors: &ReceiveErrors) -> Option<Emergency> {
         match self {
-            Self::TooShort => &errors.too_short,
-            Self::TooLong => &errors.too_long,
-            Self::Value => &errors.value,
+            Self::TooShort => errors.too_short,
+            Self::TooLong => errors.too_long,
+            Self::Value => errors.value,
         }
     }
 }

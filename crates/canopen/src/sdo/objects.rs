@@ -93,6 +93,7 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
         self.effect = Effect::None;
     }
 
+    #[inline]
     pub(super) fn settings(&self) -> &'static Settings {
         self.settings.settings()
     }
@@ -219,7 +220,7 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
     #[inline]
     pub(super) fn write_number(&mut self, entry: Entry, raw: u32) -> Result<(), AbortCode> {
         let Entry { slot, row, .. } = entry;
-        let codes = &self.settings().abort_codes;
+        let codes = self.settings().abort_codes;
         let raw = row.data_type().widen(raw);
         row.check(raw).map_err(|outside| match outside {
             OutOfLimits::Above => codes.above_maximum,
@@ -245,7 +246,7 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
                 Ok(())
             }
             Ok(Written::Taken | Written::Ignored) => Ok(()),
-            Err(error) => Err(AbortCode::of_write(error, codes)),
+            Err(error) => Err(AbortCode::of_write(error, &codes)),
         }
     }
 
