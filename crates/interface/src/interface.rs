@@ -11,8 +11,8 @@ use crate::bit_timing::BitTiming;
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
 use crate::message::Message;
-use crate::nm17x::SETTINGS;
-use crate::objects::{Known, Objects, Outcome};
+use crate::nm17x::Nm17x;
+use crate::objects::{ApplicationWrite, Known, Objects, Outcome};
 use crate::record::Record;
 use crate::saving::{Parameters, Saving};
 use crate::slots::Slots;
@@ -74,7 +74,7 @@ pub struct NotSaved;
 pub struct Interface {
     product: &'static Product,
     slots: Slots,
-    node: Node<OBJECTS_MAX>,
+    node: Node<OBJECTS_MAX, Nm17x>,
     link: Link,
     /// Until when the boot-up message waits for the application's values.
     boot_up_by: Option<Instant>,
@@ -90,6 +90,8 @@ pub struct Interface {
     message: Message,
     /// The last correction of RxPDO2, until another one is written.
     received_correction: Option<u16>,
+    /// What a master wrote, until it is on its way to the application.
+    answered_write: Option<ApplicationWrite>,
     /// The number of the offer that the application controller shows.
     offer: Option<u8>,
     /// The number of the last offer.
@@ -134,7 +136,7 @@ impl Interface {
         let mut interface = Self {
             product,
             slots,
-            node: Node::new(product.dictionary, node_id, &SETTINGS),
+            node: Node::new(product.dictionary, node_id, Nm17x),
             link: Link::new(now, hello, rows, node_id.get()),
             boot_up_by: Some(now + BOOT_UP_AFTER),
             restart_by: None,
@@ -146,6 +148,7 @@ impl Interface {
             saving: Saving::default(),
             message: Message::default(),
             received_correction: None,
+            answered_write: None,
             offer: None,
             offers: 0,
             events: Deque::new(),
@@ -174,6 +177,7 @@ impl Interface {
 
     /// What became of everything that was to be saved until [`Event::Confirm`].
     pub fn handle_saved(&mut self, now: Instant, number: u8, outcome: Result<(), NotSaved>) {
+        self.hand_on_write(now);
         if let Some(parameters) = self.saving.take_parameters(number) {
             self.follow_parameters(now, parameters, outcome);
         }
@@ -188,13 +192,16 @@ impl Interface {
         self.node.accepts()
     }
 
-    /// A frame from the bus.
+    /// A frame from the bus. A write to an object of the application is answered first: then
+    /// [`Self::handle_timeout`] is due at once.
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
+        self.hand_on_write(now);
         self.run_node(now, Some(frame));
     }
 
     /// Bytes from the link.
     pub fn handle_link(&mut self, now: Instant, bytes: &[u8]) {
+        self.hand_on_write(now);
         for &byte in bytes {
             self.link.handle_byte(now, byte);
             self.settle_link(now);
@@ -204,6 +211,7 @@ impl Interface {
 
     /// The controller's standing on the bus changed.
     pub fn handle_bus(&mut self, now: Instant, bus: BusState) {
+        self.hand_on_write(now);
         self.node.handle_bus(now, bus);
         self.settle_node(now);
     }
@@ -215,6 +223,7 @@ impl Interface {
 
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Instant) {
+        self.hand_on_write(now);
         self.link.handle_timeout(now);
         self.settle_link(now);
         if self.boot_up_by.is_some_and(|by| by <= now) {
@@ -231,7 +240,9 @@ impl Interface {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let switch_at = self.bit_timing.map(|timing| timing.due_at());
         let link_at = Some(self.link.poll_timeout());
-        let due = [link_at, self.node.poll_timeout(), self.boot_up_by, self.restart_by, switch_at];
+        let write_at = self.answered_write.map(|_| Instant::ZERO);
+        let node_at = self.node.poll_timeout();
+        let due = [write_at, link_at, node_at, self.boot_up_by, self.restart_by, switch_at];
         due.into_iter().flatten().min()
     }
 
@@ -291,17 +302,22 @@ impl Interface {
         match objects.outcome {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
-            Outcome::ApplicationWritten(slot) => {
-                let slots = &self.slots;
-                if [slots.correction, slots.correction_enabled].contains(&Some(slot)) {
-                    self.received_correction.take_if(|_| Some(slot) == slots.correction);
-                    self.follow_correction(now);
-                }
-            }
+            Outcome::Write(write) => self.answered_write = Some(write),
             Outcome::Received(received) => self.follow_pdo(now, received),
             Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
         }
         self.settle_node(now);
+    }
+
+    /// What a master wrote goes to the application behind its answer, and before anything else.
+    fn hand_on_write(&mut self, now: Instant) {
+        let Some(write) = self.answered_write.take() else { return };
+        write.hand_on(&mut self.link, &mut self.message);
+        let (slots, slot) = (&self.slots, Some(write.slot));
+        if [slots.correction, slots.correction_enabled].contains(&slot) {
+            self.received_correction.take_if(|_| slot == slots.correction);
+            self.follow_correction(now);
+        }
     }
 
     fn settle_link(&mut self, now: Instant) {
@@ -420,7 +436,7 @@ impl Interface {
 
     /// A node with communication parameters as stored, and everything else as it is.
     fn rebuild_node(&mut self, node_id: NodeId) {
-        let fresh = Node::new(self.product.dictionary, node_id, &SETTINGS);
+        let fresh = Node::new(self.product.dictionary, node_id, Nm17x);
         let before = core::mem::replace(&mut self.node, fresh);
         self.stored.apply(&mut self.node);
         self.end_offer();

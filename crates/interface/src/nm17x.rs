@@ -5,13 +5,14 @@ use canopen::lss::{
 };
 use canopen::{
     AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, Emergency, ErrorBehaviour,
-    Expedited, Identifiers, PdoChanges, PdoRules, ReceiveErrors, Settings, Trigger,
+    Expedited, Identifiers, PdoChanges, PdoRules, ProductSettings, ReceiveErrors, Settings,
+    Trigger,
 };
 use units::Duration;
 
 /// What NM17x devices do differently from CiA 301 (A-10, A-12, A-19, A-20,
 ///
-pub(crate) static SETTINGS: Settings = Settings {
+static SETTINGS: Settings = Settings {
     pdo: PdoRules {
         inhibit_unit: Duration::from_millis(1),
         type_254: Trigger::Timer,
@@ -49,6 +50,17 @@ pub(crate) static SETTINGS: Settings = Settings {
         not_stored: AbortCode::LOCAL_CONTROL,
     },
 };
+
+/// [`SETTINGS`], known to the compiler wherever they are used.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nm17x;
+
+impl ProductSettings for Nm17x {
+    #[inline]
+    fn settings(self) -> &'static Settings {
+        &SETTINGS
+    }
+}
 
 /// What NM17x devices do differently from CiA 305.
 static LAYER_SETTINGS: lss::Settings = lss::Settings {

@@ -55,12 +55,37 @@ pub(crate) enum Outcome {
     Nothing,
     /// An object that is saved at once was written.
     Store(Record),
-    /// A write is on its way to the application.
-    ApplicationWritten(Slot),
+    /// A write is to go to the application.
+    Write(ApplicationWrite),
     /// Too many writes are.
     QueueFull,
     /// A receive PDO arrived.
     Received(Received),
+}
+
+/// A write of a master to an object of the application, which has room for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ApplicationWrite {
+    pub(crate) slot: Slot,
+    id: ObjectId,
+    raw: u32,
+}
+
+impl ApplicationWrite {
+    /// Hands it on. Nothing has taken its room since it was answered.
+    pub(crate) fn hand_on(self, link: &mut Link, message: &mut Message) {
+        if self.is_stop() {
+            link.stop(Urgency::MotorStop);
+            message.end(link);
+        } else if link.write(self.id, self.raw, kind(self.id)).is_ok() {
+            message.note_write();
+        }
+    }
+
+    /// A stop does not wait for its turn (NM17x LINK-07).
+    fn is_stop(&self) -> bool {
+        self.id == POSITIONING_COMMAND.id() && self.raw == 0
+    }
 }
 
 impl Objects<'_> {
@@ -70,26 +95,15 @@ impl Objects<'_> {
         row: &Row,
         raw: u32,
     ) -> Result<Written, WriteError> {
-        if row.id() == PRESET.id() && !self.known.scaling {
+        let id = row.id();
+        if id == PRESET.id() && !self.known.scaling {
             return Err(WriteError::Failed);
         }
-        let queued = if row.id() == POSITIONING_COMMAND.id() && raw == 0 {
-            self.stop()
-        } else {
-            let queued = self.link.write(row.id(), raw, kind(row.id()));
-            queued.inspect(|()| self.message.note_write())
-        };
-        self.note_queued(queued)?;
-        self.outcome = Outcome::ApplicationWritten(slot);
-        Ok(if COMMANDS.contains(&row.id()) { Written::Ignored } else { Written::Taken })
-    }
-
-    /// A stop does not wait for its turn (NM17x LINK-07).
-    fn stop(&mut self) -> Result<(), QueueError> {
-        self.link.check_room(0)?;
-        self.link.stop(Urgency::MotorStop);
-        self.message.end(self.link);
-        Ok(())
+        let write = ApplicationWrite { slot, id, raw };
+        let room = self.link.check_room(if write.is_stop() { 0 } else { 1 });
+        self.note_queued(room)?;
+        self.outcome = Outcome::Write(write);
+        Ok(if COMMANDS.contains(&id) { Written::Ignored } else { Written::Taken })
     }
 
     fn note_queued(&mut self, queued: Result<(), QueueError>) -> Result<(), WriteError> {

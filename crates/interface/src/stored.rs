@@ -6,6 +6,7 @@ use heapless::Vec;
 use object_dictionary::{Default, Dictionary, ObjectId, Owner, Row, Slot, Storage};
 use units::Instant;
 
+use crate::nm17x::Nm17x;
 use crate::record::Record;
 
 /// Numbers of the set at most.
@@ -21,7 +22,7 @@ pub(crate) struct Set(Vec<Record, SET_MAX>);
 
 impl Set {
     /// The present numbers of a node.
-    pub(crate) fn of<const LEN: usize>(node: &Node<LEN>) -> Self {
+    pub(crate) fn of<const LEN: usize>(node: &Node<LEN, Nm17x>) -> Self {
         let values = node.values();
         let mut set = Self::default();
         set.add(SAVED_UNDER, node.node_id().get().into());
@@ -44,7 +45,7 @@ impl Set {
 
     /// Gives a new node the numbers. A CAN-ID that followed the node-ID when it was saved follows
     /// it still.
-    pub(crate) fn apply<const LEN: usize>(&self, node: &mut Node<LEN>) {
+    pub(crate) fn apply<const LEN: usize>(&self, node: &mut Node<LEN, Nm17x>) {
         let dictionary = node.values().dictionary();
         let saved_under = self.0.iter().find(|record| record.key == SAVED_UNDER);
         let saved_under = saved_under.map_or(node.node_id().get().into(), |record| record.value);
