@@ -1,7 +1,7 @@
 use object_dictionary::Values;
 
 use crate::cob_id::CobId;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 
 /// The communication parameter of a PDO, whichever way it goes (CiA 301, sections 7.5.2.35 and
 /// 7.5.2.37). What the product does not have of it is 0.
@@ -19,7 +19,7 @@ impl Communication {
     /// The one with this index. `None` when the product has no such PDO.
     pub(super) fn read<const LEN: usize>(values: &Values<LEN>, index: u16) -> Option<Self> {
         let cob_id = CobId::from_raw(parameter(values, index, 1)?);
-        let value = |sub| parameter(values, index, sub).unwrap_or(0);
+        let value = |sub| number(values, index, sub);
         Some(Self {
             cob_id,
             transmission_type: value(2),

@@ -6,7 +6,7 @@ use super::rpdo::Reception;
 use super::transmission::Transmission;
 use super::{Direction, MAPPING};
 use crate::cob_id::CobId;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::sdo::AbortCode;
 use crate::settings::{Identifiers, PdoChanges, Settings};
 
@@ -19,7 +19,7 @@ pub(crate) fn check<const LEN: usize>(
     raw: u32,
 ) -> Result<(), AbortCode> {
     let ObjectId { index, sub } = object;
-    let present = CobId::from_raw(parameter(values, index & !MAPPING, 1).unwrap_or(0));
+    let present = CobId::from_raw(number(values, index & !MAPPING, 1));
     let is_on = present.valid().is_some();
     if index & MAPPING != 0 {
         return if is_on {

@@ -6,7 +6,7 @@ use super::field::Field;
 use super::slots::Slots;
 use crate::cob_id::CobId;
 use crate::frame::{CanId, DATA_MAX};
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::sdo::AbortCode;
 
 /// Objects that one PDO may carry.
@@ -41,7 +41,7 @@ impl Mapping {
     /// Takes the mapping object with this index over. A product's own need not be one that a master
     /// could write: it may share its PDOs with a product that has more objects.
     pub(super) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>, index: u16) {
-        let count = parameter(values, index, 0).unwrap_or(0);
+        let count = number(values, index, 0);
         let _ = self.read(values, index, count);
     }
 
