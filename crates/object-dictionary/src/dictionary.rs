@@ -332,6 +332,7 @@ const fn mix(hash: u32, word: u32) -> u32 {
 mod tests {
     use super::*;
     use crate::row;
+    use crate::row::Particulars;
 
     const FIRST: Object<u8> = Object::highest_sub_index(0x2000, "First", 2);
     const FIRST_ONE: Object<u32> = Object::new(0x2000, 1, "One").read_write().within(0, 1);
@@ -400,6 +401,55 @@ mod tests {
             assert_eq!((row.id(), row.kind), (stays.id(), stays.kind));
             assert_eq!(row.default(), stays.default());
         }
+    }
+
+    /// One kind more than a line can name.
+    const MANY: usize = KINDS_MAX + 1;
+
+    /// Each has limits of its own.
+    const fn object_of_many(n: u16) -> Object<u16> {
+        Object::new(0x2000 + n / 16, (n % 16) as u8, "").within(0, n as i64)
+    }
+
+    macro_rules! many {
+        ($n:ident => $value:expr) => {{
+            let $n = 0_u16;
+            let mut all = [$value; MANY];
+            let mut $n = 1_u16;
+            while ($n as usize) < MANY {
+                all[$n as usize] = $value;
+                $n += 1;
+            }
+            all
+        }};
+    }
+
+    static PARTICULARS: [Particulars; MANY] = many!(n => object_of_many(n).particulars());
+    static KINDS: [Kind; MANY] = many!(n => object_of_many(n).kind(&PARTICULARS[n as usize]));
+    static LINES: [Line; MANY] = many!(n => object_of_many(n).line());
+    static MANY_ROWS: [Row; MANY] = many!(n => Row::new(&LINES[n as usize], &KINDS[n as usize]));
+
+    #[test]
+    fn a_line_names_one_of_256_kinds() {
+        const MOST: &[Row] = MANY_ROWS.split_at(KINDS_MAX).0;
+        static DICTIONARY: Dictionary = crate::dictionary!(MOST);
+        assert_eq!(kinds_len(MOST), 256);
+        for (n, row) in (0..).zip(DICTIONARY.rows()) {
+            assert_eq!((row.id(), row.limits().max), (object_of_many(n).id(), n.into()));
+        }
+    }
+
+    /// Where a dictionary is made, this is an error of the compiler.
+    #[test]
+    #[should_panic(expected = "too many kinds of rows")]
+    fn rows_of_257_kinds_are_not_counted() {
+        let _ = kinds_len(&MANY_ROWS);
+    }
+
+    #[test]
+    #[should_panic(expected = "too many kinds of rows")]
+    fn rows_of_257_kinds_make_no_table() {
+        let _ = Table::<MANY, MANY>::of(&MANY_ROWS);
     }
 
     #[test]

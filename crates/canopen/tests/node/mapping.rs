@@ -299,6 +299,126 @@ fn dummy_entries_skip_bytes() {
     );
 }
 
+/// CiA 301, section 7.5.2.36: a count of 0 deactivates a mapping. The PDO can be switched on, but it
+/// sends nothing, not even on request, and takes no frame.
+#[test]
+fn a_pdo_that_carries_nothing_neither_sends_nor_listens() {
+    check(
+        "
+        0 boot
+        1 < 000 01 00
+        2 remote 185 3
+        3 < 605 23 00 18 01 85 01 00 80
+        4 < 605 2F 00 1A 00 00 00 00 00
+        5 < 605 23 00 18 01 85 01 00 00
+        6 remote 185 3
+        7 set 6000:01 7
+        8 trigger 0
+        10 < 605 23 00 14 01 05 02 00 80
+        11 < 605 2F 00 16 00 00 00 00 00
+        12 < 605 23 00 14 01 05 02 00 00
+        13 < 205
+        14 < 205 01
+        15 < 605 40 00 62 01 00 00 00 00
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0001 < 000 [2] 01 00
+            0001 * PreOperational to Operational
+            0001 > 185 [3] 00 00 00
+            0002 < 185 [3] remote
+            0002 > 185 [3] 00 00 00
+            0003 < 605 [8] 23 00 18 01 85 01 00 80
+            0003 > 585 [8] 60 00 18 01 00 00 00 00
+            0003 * FiltersChanged
+            0004 < 605 [8] 2F 00 1A 00 00 00 00 00
+            0004 > 585 [8] 60 00 1A 00 00 00 00 00
+            0005 < 605 [8] 23 00 18 01 85 01 00 00
+            0005 > 585 [8] 60 00 18 01 00 00 00 00
+            0006 < 185 [3] remote
+            0010 < 605 [8] 23 00 14 01 05 02 00 80
+            0010 > 585 [8] 60 00 14 01 00 00 00 00
+            0010 * FiltersChanged
+            0011 < 605 [8] 2F 00 16 00 00 00 00 00
+            0011 > 585 [8] 60 00 16 00 00 00 00 00
+            0012 < 605 [8] 23 00 14 01 05 02 00 00
+            0012 > 585 [8] 60 00 14 01 00 00 00 00
+            0013 < 205 [0]
+            0014 < 205 [1] 01
+            0015 < 605 [8] 40 00 62 01 00 00 00 00
+            0015 > 585 [8] 4F 00 62 01 00 00 00 00
+        "#]],
+    );
+}
+
+/// A product may change its mapping while the PDO is on. The event timer begins anew and the data go
+/// out as when the PDO is switched on; the inhibit time is that of the identifier, and goes on.
+#[test]
+fn a_pdo_begins_anew_with_another_mapping() {
+    check(
+        "
+        0 set 1800:03 300, 1800:05 100
+        0 boot
+        10 < 000 01 00
+        60 set 6000:02 5
+        70 set 1A00:02 1610613536
+        80 set 6000:02 6
+        260 set 1A00:00 1
+        400 end
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0010 < 000 [2] 01 00
+            0010 * PreOperational to Operational
+            0010 > 185 [3] 00 00 00
+            0060 > 185 [3] 00 00 05
+            0090 > 185 [6] 00 00 00 00 00 00
+            0190 > 185 [6] 00 00 00 00 00 00
+            0260 > 185 [2] 00 00
+            0360 > 185 [2] 00 00
+        "#]],
+    );
+}
+
+/// What a master could not write maps nothing where it is a product's own.
+#[test]
+fn a_count_above_eight_maps_nothing() {
+    check(
+        "
+        0 set 1A00:00 9, 1600:00 9
+        0 boot
+        1 < 000 01 00
+        2 set 6000:01 7
+        3 remote 185 3
+        4 < 205
+        5 < 205 01
+        6 < 605 40 00 62 01 00 00 00 00
+        7 set 1A00:00 2, 1600:00 1
+        8 < 205 01
+        9 < 605 40 00 62 01 00 00 00 00
+        ",
+        expect![[r#"
+            0000 * FiltersChanged
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0001 < 000 [2] 01 00
+            0001 * PreOperational to Operational
+            0003 < 185 [3] remote
+            0004 < 205 [0]
+            0005 < 205 [1] 01
+            0006 < 605 [8] 40 00 62 01 00 00 00 00
+            0006 > 585 [8] 4F 00 62 01 00 00 00 00
+            0007 * FiltersChanged
+            0007 > 185 [3] 07 00 00
+            0008 < 205 [1] 01
+            0009 < 605 [8] 40 00 62 01 00 00 00 00
+            0009 > 585 [8] 4F 00 62 01 01 00 00 00
+        "#]],
+    );
+}
+
 /// An entry that a master may try, and its length in a transmit PDO.
 const TRIED: &[(u32, Result<u8, u32>)] = &[
     (0x6000_0110, Ok(2)),
