@@ -370,7 +370,9 @@ mod tests {
 
     #[test]
     fn whatever_is_looked_for_is_found_where_it_is() {
-        for index in 0..=u16::MAX {
+        // The first rows are enough for an interpreter.
+        let indices = if cfg!(miri) { 0x1FFF..=0x2008 } else { 0..=u16::MAX };
+        for index in indices {
             for sub in [0, 1, 2, 255] {
                 let id = ObjectId { index, sub };
                 let position = DICTIONARY.slots().find(|(_, row)| row.id() == id);
