@@ -267,11 +267,14 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         let now = self.now.into();
         self.sdo.handle_timeout(now, self.settings());
         self.answer();
+        self.give_up_producers();
+        self.give_up_master();
+        if self.state == State::Initialising {
+            return;
+        }
         if self.heartbeat.take_due(now) {
             self.send_heartbeat();
         }
-        self.give_up_producers();
-        self.give_up_master();
         self.end_sync_window();
         self.produce_sync(application);
         self.report_overdue();

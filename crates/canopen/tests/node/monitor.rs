@@ -1,6 +1,12 @@
-use expect_test::expect;
+use expect_test::{Expect, expect};
 
-use crate::check;
+use crate::script::transcript;
+use crate::{check, cia_301};
+
+#[track_caller]
+fn check_cia_301(script: &str, expected: Expect) {
+    expected.assert_eq(&transcript(cia_301::node(), &mut (), script));
+}
 
 /// NM17x HB-02, HB-03, HB-04, EMCY-06; decisions A-31, A-33, A-35: nothing happens before the first
 /// heartbeat; then each loss is one event, and the next heartbeat ends it.
@@ -231,6 +237,81 @@ fn the_error_behaviour_says_what_follows_from_an_error_of_the_device() {
             0003 * PreOperational to Operational
             0003 > 2FF [8] 00 00 00 00 00 00 00 00
             0006 * Operational to Stopped
+        "#]],
+    );
+}
+
+/// CiA 301, section 7.2.8.3.2.2: a heartbeat that is due with the loss of a producer tells the state
+/// that follows from it, as it leaves behind the emergency message.
+#[test]
+fn a_heartbeat_tells_the_state_after_a_loss() {
+    check_cia_301(
+        "
+        0 boot
+        1 < 605 23 16 10 01 64 00 07 00
+        2 < 605 2F 29 10 01 00 00 00 00
+        3 < 000 01 05
+        10 < 605 2B 17 10 00 64 00 00 00
+        10 < 707 05
+        150 end
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0001 < 605 [8] 23 16 10 01 64 00 07 00
+            0001 > 585 [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
+            0002 < 605 [8] 2F 29 10 01 00 00 00 00
+            0002 > 585 [8] 60 29 10 01 00 00 00 00
+            0003 < 000 [2] 01 05
+            0003 * PreOperational to Operational
+            0010 < 605 [8] 2B 17 10 00 64 00 00 00
+            0010 > 585 [8] 60 17 10 00 00 00 00 00
+            0010 > 705 [1] 05
+            0010 < 707 [1] 05
+            0110 * HeartbeatLost { producer: NodeId(7) }
+            0110 * Operational to PreOperational
+            0110 > 085 [8] 30 81 11 00 00 00 00 00
+            0110 > 705 [1] 7F
+        "#]],
+    );
+}
+
+/// What was due with the loss of a producer that resets the node is not: SYNC and heartbeat.
+#[test]
+fn a_node_that_a_loss_resets_is_silent() {
+    check_cia_301(
+        "
+        0 boot
+        1 < 605 23 16 10 01 64 00 07 00
+        2 < 605 2F 29 10 01 03 00 00 00
+        3 < 605 23 06 10 00 A0 86 01 00
+        4 < 000 01 05
+        10 < 605 23 05 10 00 80 00 00 40
+        10 < 605 2B 17 10 00 64 00 00 00
+        10 < 707 05
+        400 end
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 705 [1] 00
+            0001 < 605 [8] 23 16 10 01 64 00 07 00
+            0001 > 585 [8] 60 16 10 01 00 00 00 00
+            0001 * FiltersChanged
+            0002 < 605 [8] 2F 29 10 01 03 00 00 00
+            0002 > 585 [8] 60 29 10 01 00 00 00 00
+            0003 < 605 [8] 23 06 10 00 A0 86 01 00
+            0003 > 585 [8] 60 06 10 00 00 00 00 00
+            0004 < 000 [2] 01 05
+            0004 * PreOperational to Operational
+            0010 < 605 [8] 23 05 10 00 80 00 00 40
+            0010 > 585 [8] 60 05 10 00 00 00 00 00
+            0010 < 605 [8] 2B 17 10 00 64 00 00 00
+            0010 > 585 [8] 60 17 10 00 00 00 00 00
+            0010 > 705 [1] 05
+            0010 < 707 [1] 05
+            0110 * HeartbeatLost { producer: NodeId(7) }
+            0110 * ResetNode
         "#]],
     );
 }
