@@ -12,6 +12,9 @@
 )]
 
 mod bytes;
+#[path = "../../crates/canopen/tests/node/cia_301.rs"]
+#[expect(dead_code, reason = "the nodes of this device are made elsewhere")]
+mod cia_301;
 #[path = "../../crates/canopen/tests/node/device.rs"]
 #[expect(dead_code, reason = "the product behind it is another one here")]
 mod device;

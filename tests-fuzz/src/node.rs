@@ -1,16 +1,19 @@
 //! A node among frames, time and a product. The rules are those that hold whatever happens.
 
+mod partners;
+
 use std::collections::BTreeSet;
 
 use canopen::{
     Application, BlockTransfer, BusState, CanId, Event, Frame, Mapped, Node, NodeId, ReadError,
-    Settings, State, TRANSMIT_MAX, WriteError, Written, lss,
+    Settings, State, TRANSMIT_MAX, TimeOfDay, WriteError, Written, lss,
 };
 use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 use units::{Duration, Instant};
 
 use crate::bytes::Bytes;
-use crate::device;
+use crate::{cia_301, device};
+use partners::Partners;
 
 const NMT: u16 = 0x000;
 const SDO_RESPONSE: u16 = 0x580;
@@ -18,6 +21,12 @@ const SDO_REQUEST: u16 = 0x600;
 const ERROR_CONTROL: u16 = 0x700;
 const LSS_RESPONSE: u16 = 0x7E4;
 const LSS_REQUEST: u16 = 0x7E5;
+
+const TIME: ObjectId = ObjectId { index: 0x1012, sub: 0 };
+const GUARD_TIME: ObjectId = ObjectId { index: 0x100C, sub: 0 };
+const LIFE_TIME_FACTOR: ObjectId = ObjectId { index: 0x100D, sub: 0 };
+const MONITORED: u16 = 0x1016;
+const HEARTBEAT_TIME: ObjectId = ObjectId { index: 0x1017, sub: 0 };
 
 static LSS: lss::Settings = lss::Settings::CIA_305;
 static ALL_SERVICES: Settings = Settings { lss: Some(&LSS), ..dev1::SETTINGS };
@@ -30,6 +39,18 @@ const NM17X: Subject = Subject {
 const DEV1: Subject =
     Subject { dictionary: &dev1::DICTIONARY, settings: &ALL_SERVICES, node_id: dev1::NODE_ID };
 
+const CIA_301: Subject = Subject {
+    dictionary: &cia_301::DICTIONARY,
+    settings: &Settings::CIA_301,
+    node_id: cia_301::NODE_ID,
+};
+
+/// Calls for what is due that a conversation waits for at once. Time goes on with the next step.
+const WAKES_MAX: usize = 50;
+
+/// Values that are kept for the next start.
+const KEPT_MAX: usize = 8;
+
 /// The transmission type of a PDO that is sent on request, with what was true at the last SYNC.
 const SAMPLED_AT_SYNC: u32 = 252;
 
@@ -38,7 +59,8 @@ pub fn converse(input: &[u8]) {
     let mut bytes = Bytes::new(input);
     match bytes.u8() {
         Some(0..=99) => Watch::<{ device::LEN }>::new(NM17X).run(&mut bytes),
-        Some(100..) => Watch::<{ dev1::LEN }>::new(DEV1).run(&mut bytes),
+        Some(100..=199) => Watch::<{ dev1::LEN }>::new(DEV1).run(&mut bytes),
+        Some(200..) => Watch::<{ cia_301::LEN }>::new(CIA_301).run(&mut bytes),
         None => {}
     }
 }
@@ -54,6 +76,16 @@ struct Subject {
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Receive(Frame),
+    /// A frame is served before what was due since the last step.
+    ReceiveAfter {
+        us: u64,
+        frame: Frame,
+    },
+    /// A value to be restored at the next start.
+    Keep {
+        slot: Slot,
+        raw: u32,
+    },
     Set {
         slot: Slot,
         raw: u32,
@@ -72,6 +104,12 @@ enum Step {
     Advance {
         us: u64,
     },
+    /// Nobody calls for what is due in the meantime.
+    Sleep {
+        us: u64,
+    },
+    /// The user touches the device.
+    Touch,
     Mood(Mood),
     Bus(Bus),
     Stored(Result<(), WriteError>),
@@ -158,10 +196,17 @@ struct Watch<const LEN: usize> {
     storage_commands: usize,
     /// Whether the storage has such a command to do.
     storage: Storage,
+    /// Values of before, which are set at the start.
+    kept: Vec<(Slot, u32)>,
     /// LSS answers that are still owed at most.
     lss_owed: usize,
     heartbeat: Cycle,
     sync: Cycle,
+    partners: Partners,
+    /// What a guarding request has to be answered with.
+    guarding_answer: Option<u8>,
+    /// The time that the network told since it was last looked at.
+    told: Option<TimeOfDay>,
 }
 
 /// Something that comes again and again.
@@ -199,9 +244,13 @@ impl<const LEN: usize> Watch<LEN> {
             lost_frames: false,
             storage_commands: 0,
             storage: Storage::Idle,
+            kept: Vec::new(),
             lss_owed: 0,
             heartbeat: Cycle { period: None, since: Instant::ZERO },
             sync: Cycle { period: None, since: Instant::ZERO },
+            partners: Partners::new(),
+            guarding_answer: None,
+            told: None,
         };
         watch.boot();
         watch
@@ -212,16 +261,27 @@ impl<const LEN: usize> Watch<LEN> {
         self.node = Node::new(dictionary, node_id, settings);
         self.booted = false;
         self.storage = Storage::Idle;
+        self.partners = Partners::new();
         self.own.clear();
+        for &(slot, raw) in &self.kept {
+            self.node.set_value(self.now, slot, raw);
+        }
         self.node.boot(self.now);
         self.drain();
     }
 
     /// The next thing to happen; `None` at the end of the input.
     fn next(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
+        match bytes.u8()? {
+            240.. => self.sign_of_life(bytes),
+            kind => self.step(kind % 24, bytes),
+        }
+    }
+
+    fn step(&self, kind: u8, bytes: &mut Bytes<'_>) -> Option<Step> {
         let node_id = u16::from(self.subject.node_id.get());
         let frame = |id: u16, data: &[u8]| Frame::new(CanId::new(id).unwrap(), data).unwrap();
-        let step = match bytes.u8()? % 24 {
+        let step = match kind {
             0..=7 => Step::Receive(frame(SDO_REQUEST + node_id, &self.sdo_request(bytes)?)),
             8 => Step::Receive(frame(SDO_REQUEST + node_id, bytes.up_to(8)?)),
             9 => {
@@ -304,6 +364,57 @@ impl<const LEN: usize> Watch<LEN> {
         Some(step)
     }
 
+    /// What partners of a node say, the time for which they say nothing, and the user.
+    fn sign_of_life(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
+        let own = ERROR_CONTROL + u16::from(self.subject.node_id.get());
+        let step = match bytes.u8()? % 16 {
+            0..=4 => Step::Receive(Frame::new_remote(CanId::new(own)?, bytes.u8()? % 9)?),
+            5..=8 => {
+                let any = 1 + bytes.u8()? % 127;
+                let producers = self.monitored().map(|(producer, _)| producer);
+                let producer = bytes.pick(&producers.chain([any]).collect::<Vec<_>>())?;
+                let id = CanId::new(ERROR_CONTROL + u16::from(producer))?;
+                let data = bytes.pick(&[&[0][..], &[5], &[0x7F], &[4], &[], &[5, 5]])?;
+                Step::Receive(Frame::new(id, data)?)
+            }
+            9 | 10 => {
+                let time = [bytes.array()?, bytes.array::<4>()?].concat();
+                let len = bytes.pick(&[6, 6, 6, 0, 5, 7, 8])?;
+                let cob_id = self.value(TIME).unwrap_or(0x100);
+                Step::Receive(Frame::new(CanId::new((cob_id & 0x7FF) as u16)?, &time[..len])?)
+            }
+            11 | 12 => Step::Advance { us: self.span(bytes)? },
+            13 => match (self.span(bytes)?, self.step(bytes.u8()? % 17, bytes)?) {
+                (us, Step::Receive(frame)) => Step::ReceiveAfter { us, frame },
+                (us, _) => Step::Sleep { us },
+            },
+            14 => Step::Touch,
+            _ => self.kept(bytes)?,
+        };
+        Some(step)
+    }
+
+    /// A value that another version of the program may have left.
+    fn kept(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
+        let dictionary = self.subject.dictionary;
+        let slot = Slot::at(dictionary, bytes.u16()? % LEN as u16)?;
+        let row = dictionary.row(slot)?;
+        let small = u32::from(bytes.u8()?);
+        let mapped = Slot::at(dictionary, small as u16 % LEN as u16)?;
+        let ObjectId { index, sub } = dictionary.row(mapped)?.id();
+        let bits = bytes.pick(&[8, 8, 16, 32, 0, 4, 64, 255])?;
+        let entry = u32::from(index) << 16 | u32::from(sub) << 8 | bits;
+        let any = bytes.u32()?;
+        let raw = bytes.pick(&[small, small % 10, entry, entry, any])?;
+        let is_kept = !is_text(row.data_type()) && row.permits(raw) && !is_cob_id(row.id());
+        Some(if is_kept { Step::Keep { slot, raw } } else { Step::Advance { us: 1 } })
+    }
+
+    /// Up to half an hour, which is how late a call may be.
+    fn span(&self, bytes: &mut Bytes<'_>) -> Option<u64> {
+        Some(u64::from(bytes.u32()? >> (bytes.u8()? % 32)) % 1_800_000_000)
+    }
+
     /// A request for an object that mostly exists, with a value that is mostly small.
     fn sdo_request(&self, bytes: &mut Bytes<'_>) -> Option<Vec<u8>> {
         let any = bytes.u8()?;
@@ -349,6 +460,15 @@ impl<const LEN: usize> Watch<LEN> {
     fn take(&mut self, step: Step) {
         match step {
             Step::Receive(frame) => self.receive(&frame),
+            Step::ReceiveAfter { us, frame } => {
+                self.pass(Duration::from_micros(us));
+                self.partners.doubt();
+                self.receive(&frame);
+            }
+            Step::Keep { slot, raw } => {
+                self.kept.truncate(KEPT_MAX);
+                self.kept.insert(0, (slot, raw));
+            }
             Step::Set { slot, raw } => {
                 let row = self.subject.dictionary.row(slot).unwrap();
                 if row.permits(raw) {
@@ -361,6 +481,8 @@ impl<const LEN: usize> Watch<LEN> {
             Step::Overrun => self.node.handle_overrun(),
             Step::Trigger { number } => self.node.trigger_tpdo(self.now, number),
             Step::Advance { us } => self.advance(Duration::from_micros(us)),
+            Step::Sleep { us } => self.sleep(Duration::from_micros(us)),
+            Step::Touch => self.node.take_offered_node_id(),
             Step::Mood(mood) => self.mood = mood,
             Step::Bus(bus) => self.bus = bus,
             Step::Stored(outcome) => self.handle_stored(outcome),
@@ -386,9 +508,21 @@ impl<const LEN: usize> Watch<LEN> {
         if frame.id().get() == LSS_REQUEST {
             self.lss_owed += 1;
         }
+        if asked && self.may_move_partners(frame) {
+            self.partners.doubt();
+        }
         let (before, commands) = (self.values(), self.storage_commands);
-        self.node.handle_frame(self.now, frame, &mut self.mood);
-        let answers = self.drain();
+        let answers = if self.guards(frame) {
+            self.receive_guarding(frame);
+            Vec::new()
+        } else {
+            let time = self.told_by(frame);
+            self.hear_producer(frame);
+            self.node.handle_frame(self.now, frame, &mut self.mood);
+            let answers = self.drain();
+            self.check_time(frame, time);
+            answers
+        };
         match answers.as_slice() {
             [answer] if asked => self.check_answer(frame, answer, &before),
             [] if asked && self.bus == Bus::Free => {
@@ -399,6 +533,71 @@ impl<const LEN: usize> Watch<LEN> {
             }
             _ => {}
         }
+    }
+
+    /// Whether it may write to an object of life guarding or of a consumer of heartbeats.
+    fn may_move_partners(&self, request: &Frame) -> bool {
+        let &[command, low, high, ..] = request.data() else { return true };
+        let is_initiate = command & 0xE0 == 0x20 && !self.may_be_a_segment();
+        let index = u16::from_le_bytes([low, high]);
+        let objects = [GUARD_TIME.index, LIFE_TIME_FACTOR.index, MONITORED, HEARTBEAT_TIME.index];
+        !is_initiate || objects.contains(&index)
+    }
+
+    /// Whether it is a guarding request to be answered. Heartbeats go before guarding (CiA 301,
+    /// section 7.2.8.2.2).
+    fn guards(&self, frame: &Frame) -> bool {
+        let own = ERROR_CONTROL + u16::from(self.subject.node_id.get());
+        let beats = self.value(HEARTBEAT_TIME).unwrap_or(0) > 0;
+        let is_guarded = self.value(GUARD_TIME).is_some() && !beats;
+        is_guarded && frame.is_remote() && frame.id().get() == own
+    }
+
+    fn receive_guarding(&mut self, frame: &Frame) {
+        self.guarding_answer = Some(self.partners.request(state_byte(self.state)));
+        self.node.handle_frame(self.now, frame, &mut self.mood);
+        self.drain();
+        let left = self.guarding_answer.take();
+        assert!(left.is_none() || self.bus == Bus::Busy, "no answer to a guarding request");
+        let value = |object| u64::from(self.value(object).unwrap_or(0));
+        let life_time = Duration::from_millis(value(GUARD_TIME) * value(LIFE_TIME_FACTOR));
+        self.partners.renew(self.now, life_time);
+    }
+
+    /// The message of a monitored producer counts in every state.
+    fn hear_producer(&mut self, frame: &Frame) {
+        let producer = self.monitored().find(|&(producer, _)| {
+            frame.id().get() == ERROR_CONTROL + u16::from(producer) && !frame.is_remote()
+        });
+        if let (Some((producer, time)), 1) = (producer, frame.dlc()) {
+            let is_certain = self.is_for_one_service(frame);
+            self.partners.hear(self.now, producer, time, is_certain);
+        }
+    }
+
+    /// The time that a frame tells a node that consumes it.
+    fn told_by(&self, frame: &Frame) -> Option<TimeOfDay> {
+        const CONSUMED: u32 = 1 << 31;
+        let cob_id = self.value(TIME).filter(|cob_id| cob_id & CONSUMED != 0)?;
+        let is_time = u32::from(frame.id().get()) == cob_id & 0x7FF && !frame.is_remote();
+        let &[a, b, c, d, low, high] = frame.data() else { return None };
+        (is_time && self.serves()).then_some(TimeOfDay {
+            milliseconds: u32::from_le_bytes([a, b, c, d & 0x0F]),
+            days: u16::from_le_bytes([low, high]),
+        })
+    }
+
+    fn check_time(&mut self, frame: &Frame, expected: Option<TimeOfDay>) {
+        match self.told.take() {
+            None => assert!(expected.is_none() || !self.is_for_one_service(frame), "{frame:02X?}"),
+            told => assert_eq!(told, expected),
+        }
+    }
+
+    /// Whether one service alone listens to frames like this one.
+    fn is_for_one_service(&self, frame: &Frame) -> bool {
+        let is_same = |id, remote| id == frame.id() && remote == frame.is_remote();
+        self.node.accepts().filter(|accepted| is_same(accepted.id, accepted.remote)).count() == 1
     }
 
     /// One; a block of segments to what asks for one.
@@ -460,18 +659,38 @@ impl<const LEN: usize> Watch<LEN> {
 
     fn advance(&mut self, span: Duration) {
         let until = self.now + span;
-        while let Some(due_at) = self.node.poll_timeout().filter(|&due_at| due_at <= until) {
-            self.now = self.now.max(due_at);
-            self.sdo_owed += 1;
-            self.node.handle_timeout(self.now, &mut self.mood);
-            self.drain();
-            if self.bus == Bus::Free {
-                self.sdo_owed = 0;
+        for _ in 0..WAKES_MAX {
+            match self.node.poll_timeout() {
+                Some(due_at) if due_at <= until => self.now = self.now.max(due_at),
+                Some(_) | None => {
+                    self.now = until;
+                    return;
+                }
             }
-            let next_at = self.node.poll_timeout();
-            assert!(next_at.is_none_or(|next_at| next_at > self.now), "the node is never done");
+            self.wake();
         }
-        self.now = until;
+    }
+
+    fn sleep(&mut self, span: Duration) {
+        self.pass(span);
+        self.wake();
+    }
+
+    /// Nothing is served for this long, so that heartbeat and SYNC may be late.
+    fn pass(&mut self, span: Duration) {
+        self.now = self.now + span;
+        (self.heartbeat.period, self.sync.period) = (None, None);
+    }
+
+    fn wake(&mut self) {
+        self.sdo_owed += 1;
+        self.node.handle_timeout(self.now, &mut self.mood);
+        self.drain();
+        if self.bus == Bus::Free {
+            self.sdo_owed = 0;
+        }
+        let next_at = self.node.poll_timeout();
+        assert!(next_at.is_none_or(|next_at| next_at > self.now), "the node is never done");
     }
 
     /// Checks frames and events; returns the SDO answers.
@@ -486,13 +705,20 @@ impl<const LEN: usize> Watch<LEN> {
                 Event::ResetNode | Event::ResetCommunication => self.state = State::Initialising,
                 Event::HeartbeatLost { producer } => {
                     assert!(self.monitors(producer.get()), "{producer:?}");
+                    self.partners.lose(self.now, producer.get());
                     lost = true;
                 }
                 Event::HeartbeatRecovered { producer } => {
                     assert!(self.monitors(producer.get()), "{producer:?}");
+                    self.partners.recover(producer.get());
                 }
-                Event::GuardingLost => lost = true,
-                Event::GuardingRecovered | Event::BusStateChanged { .. } | Event::Time(_) => {}
+                Event::GuardingLost => {
+                    self.partners.lose_master(self.now);
+                    lost = true;
+                }
+                Event::GuardingRecovered => self.partners.recover_master(),
+                Event::Time(time) => self.told = Some(time),
+                Event::BusStateChanged { .. } => {}
                 Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
                 Event::Store { .. } | Event::Restore { .. } => self.begin_storage(),
@@ -504,6 +730,12 @@ impl<const LEN: usize> Watch<LEN> {
             }
         }
         assert_eq!(self.state, self.node.state());
+        if self.state == State::Initialising {
+            let next = (self.node.peek_transmit(), self.node.poll_timeout());
+            assert_eq!(next, (None, None), "the node is silent");
+        } else {
+            self.partners.check(self.now);
+        }
         self.check_values();
         self.check_cycles();
         self.own.extend(self.own_ids());
@@ -577,15 +809,12 @@ impl<const LEN: usize> Watch<LEN> {
 
     fn check_error_control(&mut self, frame: &Frame) {
         let &[byte] = frame.data() else { panic!("{frame:02X?}") };
-        let expected = match self.state {
-            _ if !self.booted => 0x00,
-            State::PreOperational => 0x7F,
-            State::Operational => 0x05,
-            State::Stopped => 0x04,
-            State::Initialising => panic!("a heartbeat from a node that is off"),
-        };
-        self.booted = true;
-        assert!(byte & 0x7F == expected || self.stale, "{byte:#04X} in {:?}", self.state);
+        if !std::mem::replace(&mut self.booted, true) {
+            assert_eq!(byte, 0);
+        } else if !self.stale {
+            let answer = self.guarding_answer.take();
+            assert_eq!(byte, answer.unwrap_or_else(|| state_byte(self.state)));
+        }
     }
 
     /// A process data object has the values of what it maps.
@@ -604,17 +833,27 @@ impl<const LEN: usize> Watch<LEN> {
         assert!(pdos.any(fits), "{frame:02X?}");
     }
 
+    /// The data of the PDO with this mapping: the values up to the first entry that is not of whole
+    /// bytes, without those that do not fit.
     fn mapped(&self, index: u16) -> Vec<u8> {
-        let value = |sub| self.value(ObjectId { index, sub }).unwrap_or(0);
-        let entries = (1..=value(0) as u8).map(value);
-        entries
-            .flat_map(|entry| {
-                let [bits, sub, low, high] = entry.to_le_bytes();
-                let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
-                let raw = self.value(object).unwrap_or(0).to_le_bytes();
-                raw[..usize::from(bits / 8)].to_vec()
-            })
-            .collect()
+        let value = |sub| self.value(ObjectId { index, sub });
+        let count = value(0).filter(|&count| count <= 8).unwrap_or(0);
+        let mut data = Vec::new();
+        let mut end = 0;
+        for entry in (1..=count as u8).map_while(value) {
+            let [bits, sub, low, high] = entry.to_le_bytes();
+            if bits == 0 || bits % 8 != 0 {
+                break;
+            }
+            let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
+            let mut bytes = self.value(object).unwrap_or(0).to_le_bytes().to_vec();
+            bytes.resize(usize::from(bits / 8), 0);
+            end += bytes.len();
+            if end <= 8 {
+                data.extend(bytes);
+            }
+        }
+        data
     }
 
     /// No heartbeat and no SYNC is late.
@@ -663,10 +902,18 @@ impl<const LEN: usize> Watch<LEN> {
     }
 
     fn monitors(&self, producer: u8) -> bool {
-        let entries = (1..=127).filter_map(|sub| self.value(ObjectId { index: 0x1016, sub }));
-        entries
-            .into_iter()
-            .any(|entry| entry >> 16 & 0xFF == u32::from(producer) && entry & 0xFFFF != 0)
+        self.monitored().any(|(monitored, _)| monitored == producer)
+    }
+
+    /// The producers whose heartbeats are monitored, and how long each may take.
+    fn monitored(&self) -> impl Iterator<Item = (u8, Duration)> {
+        let entries = (1..=127).filter_map(|sub| self.value(ObjectId { index: MONITORED, sub }));
+        entries.filter_map(|entry| {
+            let [low, high, producer, _] = entry.to_le_bytes();
+            let time_ms = u16::from_le_bytes([low, high]);
+            let is_used = time_ms > 0 && (1..=127).contains(&producer);
+            is_used.then(|| (producer, Duration::from_millis(time_ms.into())))
+        })
     }
 
     const fn serves(&self) -> bool {
@@ -684,9 +931,28 @@ impl<const LEN: usize> Watch<LEN> {
     }
 }
 
+/// How a heartbeat tells a state (CiA 301, section 7.2.8.3.2.2).
+fn state_byte(state: State) -> u8 {
+    match state {
+        State::PreOperational => 0x7F,
+        State::Operational => 0x05,
+        State::Stopped => 0x04,
+        State::Initialising => panic!("a sign of life from a node that is off"),
+    }
+}
+
 /// The identifier of a COB-ID that is in use.
 fn valid(cob_id: u32) -> Option<u16> {
     (cob_id & 1 << 31 == 0).then_some((cob_id & 0x7FF) as u16)
+}
+
+/// Identifiers that were kept have been checked when a master wrote them.
+const fn is_cob_id(object: ObjectId) -> bool {
+    match object.index {
+        0x1005 | 0x1012 | 0x1014 => true,
+        0x1400..=0x15FF | 0x1800..=0x19FF => object.sub == 1,
+        _ => false,
+    }
 }
 
 fn is_text(data_type: DataType) -> bool {
