@@ -303,6 +303,7 @@ fn run(
         powered_since_ns: Some(0),
         masking: Masking::default(),
         complaint: None,
+        on_the_way: None,
     };
     let finished = emulator::run(session, &Start::new(&images), pilot)
         .map_err(|error| failed(error.to_string()))?;
@@ -390,6 +391,16 @@ struct Pilot {
     powered_since_ns: Option<u64>,
     masking: Masking,
     complaint: Option<String>,
+    /// The last stop on the way to the end of the order in hand.
+    on_the_way: Option<OnTheWay>,
+}
+
+/// What tells, at the end of an order, whether the core slept through it.
+#[derive(Clone, Copy, Debug)]
+struct OnTheWay {
+    instructions: u64,
+    /// When something was due next.
+    due_at: Option<VirtualNanos>,
 }
 
 /// For how long the firmware masks all interrupts.
@@ -408,7 +419,15 @@ impl Driver<CircuitBoard> for Pilot {
     fn on_settled(&mut self, session: &mut Run, _: &mut dyn Host, settled: Settled) {
         match settled {
             Settled::Access { access, .. } => self.watch_access(session, access),
-            Settled::Stop(stop) => self.watch_restarts(session, stop.at.0),
+            Settled::Stop(stop) => {
+                self.watch_restarts(session, stop.at.0);
+                if stop.at < session.until() {
+                    self.on_the_way = Some(OnTheWay {
+                        instructions: stop.instruction_count,
+                        due_at: session.board().part.next_event(),
+                    });
+                }
+            }
             Settled::Hit(hit) => self.follow_masking(session, hit),
             _ => {}
         }
@@ -569,7 +588,7 @@ impl Pilot {
             self.read_log(at_ns, host);
             self.look_for_gaps(session);
         }
-        let idle = stop.reason == StopReason::Idle || session.unpowered();
+        let idle = self.sleeps(stop) || session.unpowered();
         let supply = if session.unpowered() { Supply::Off } else { Supply::On };
         let part = &mut session.board_mut().part;
         let wakes_at_ns = match (idle, part.next_event()) {
@@ -601,6 +620,17 @@ impl Pilot {
                 .map(|what| EngineError(format!("{name} of node {node}: {what}"))),
         };
         self.answers.send(Answer::Stopped(Box::new(report))).map_err(|_| Gone)
+    }
+
+    /// Whether the core sleeps until the next event. A stop is called idle before what is due at its
+    /// own instant happens, and that may wake the core. So it still sleeps only if it has executed
+    /// nothing since the stop before, and nothing was due since.
+    fn sleeps(&self, stop: Stop) -> bool {
+        stop.reason == StopReason::Idle
+            && self.on_the_way.is_some_and(|before| {
+                before.instructions == stop.instruction_count
+                    && before.due_at.is_none_or(|due_at| due_at > stop.at)
+            })
     }
 
     fn read_log(&mut self, at_ns: u64, host: &mut dyn Host) {
@@ -661,6 +691,9 @@ impl Pilot {
         if self.identity.mcu == Mcu::Msp {
             self.look_at_panel(session, at);
         }
+        // A stop in the last nanosecond, for what the one at the end does not say.
+        self.on_the_way = None;
+        session.pause_at(Some(VirtualNanos(order.until_ns.saturating_sub(1))));
         VirtualNanos(order.until_ns.max(at.0))
     }
 
@@ -760,4 +793,37 @@ fn fraction(part: u64, whole: u64) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a figure for people: 53 bits are plenty")]
     let fraction = part as f64 / whole.max(1) as f64;
     fraction.min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is due at the end of an order has happened then, and the core that waited for it is
+    /// awake: it does not wait for the event after it.
+    #[test]
+    fn an_event_at_the_end_of_an_order_wakes_the_core() {
+        let firmware = crate::build("firmware-probe", "probe-time").unwrap();
+        let (mut controller, mut report) = Controller::start(Setup {
+            identity: Identity { node: 0, mcu: Mcu::Msp },
+            firmware: Arc::new(firmware),
+            clock: CoreClock::Mhz160,
+            kept: None,
+            seed: 1,
+            surroundings: Arc::default(),
+        })
+        .unwrap();
+        let mut run_until = |until_ns| {
+            controller.tell(Command::Run(Order { until_ns, bytes: Vec::new(), can: None }));
+            controller.stopped().unwrap()
+        };
+        for _ in 0..10 {
+            while report.wakes_at_ns <= report.at_ns {
+                report = run_until(report.at_ns + 10_000);
+            }
+            let event_ns = report.wakes_at_ns;
+            report = run_until(event_ns);
+            assert_eq!((report.at_ns, report.wakes_at_ns), (event_ns, event_ns));
+        }
+    }
 }

@@ -874,6 +874,33 @@ fn process_data_of_a_master() {
     );
 }
 
+/// NM17x LINK-01, LINK-02: the position of a shaft that turns all the time is another one in every
+/// cycle. A master sees each of them, for longer than anything in the device takes to come round.
+#[test]
+fn no_cycle_is_missed() {
+    const CYCLE_US: u64 = 10_000;
+    /// A byte of the link takes 22 µs, and frames of process data differ by a few.
+    const JITTER_US: u64 = 100;
+    const SECONDS: u64 = 20;
+    let mut scene = booted(&[]);
+    scene.request("2F 00 21 00 08 00 00 00");
+    scene.run_ms(500).tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).run_ms(1_000);
+    scene.request("2B 01 18 03 00 00 00 00");
+    scene.send("000#01 7F").tell("shaft", json!({ "steps_per_s": TURN })).run_ms(100).frames();
+    let mut sent_us = Vec::new();
+    for _ in 0..SECONDS {
+        let log = scene.run_ms(1_000).bench.tell("can_log", json!({}));
+        let frames = log.get("frames").and_then(Value::as_array).expect("frames");
+        sent_us.extend(frames.iter().filter_map(|frame| frame.get("us").and_then(Value::as_u64)));
+    }
+    let distances = sent_us.iter().zip(sent_us.iter().skip(1)).map(|(from, to)| to - from);
+    let odd: Vec<u64> =
+        distances.filter(|distance| distance.abs_diff(CYCLE_US) > JITTER_US).collect();
+    assert!(odd.is_empty(), "{odd:?}");
+    assert!(sent_us.len() > 1_990, "{}", sent_us.len());
+}
+
 /// Any frame of any kind, to any identifier: the device lives, answers as before, and never
 /// restarts. A failure names its seed.
 #[test]

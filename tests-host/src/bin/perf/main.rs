@@ -199,14 +199,15 @@ fn foreign(rig: &mut Rig) -> Result<(), EngineError> {
 }
 
 /// A shaft that turns all the time changes the position in every cycle; TxPDO2 without inhibit
-/// time then shows the cycle on the bus.
+/// time then shows the cycle on the bus, for longer than anything in the device takes to come round.
 fn cycle(rig: &mut Rig) -> Result<(), EngineError> {
+    const CYCLES: u64 = 2_500;
     rig.write(&[0x2B, 0x01, 0x18, 0x03, 0, 0, 0, 0])?;
     rig.start()?;
     rig.turn_steadily(4_096);
     rig.run_ms(100)?;
     rig.frames();
-    rig.run_ms(5_000)?;
+    rig.run_ms(10 * CYCLES)?;
     let sent: Vec<u64> = rig
         .frames()
         .iter()
