@@ -174,7 +174,9 @@ fn case_3_21(master: &mut Master) -> Verdict {
         for sub in (1..=8).take(usize::try_from(count).expect("a count")) {
             let [bits, mapped_sub, low, high] = master.number(object(index, sub)).to_le_bytes();
             let mapped = object(u16::from_le_bytes([low, high]), mapped_sub);
-            let row = master.row(mapped).unwrap_or_else(|| panic!("{} is there", name(mapped)));
+            let Some(row) = master.row(mapped) else {
+                return Err(Reason::Deviates(format!("no object {}", name(mapped))));
+            };
             assert_eq!(8 * row.data_type().len(), usize::from(bits), "{}", name(mapped));
             bits_in_all += u32::from(bits);
         }
