@@ -176,6 +176,10 @@ impl Application for Mood {
 /// Drives a node and checks everything that leaves it.
 struct Watch<const LEN: usize> {
     subject: Subject,
+    /// What masters write with receive PDOs.
+    received: Vec<(Slot, Row)>,
+    /// Identifiers that the node sends with, except SYNC.
+    cob_ids: Vec<Slot>,
     node: Node<LEN>,
     mood: Mood,
     now: Instant,
@@ -186,6 +190,8 @@ struct Watch<const LEN: usize> {
     stale: bool,
     /// Frames that waited were dropped.
     lost_frames: bool,
+    /// That was reported during the last call for what is due.
+    overflow_is_new: bool,
     /// Identifiers that waiting frames may have.
     own: BTreeSet<u16>,
     /// SDO answers that are still owed at most.
@@ -229,8 +235,14 @@ impl Cycle {
 
 impl<const LEN: usize> Watch<LEN> {
     fn new(subject: Subject) -> Self {
+        let slots = || subject.dictionary.slots();
+        let sends = |id: ObjectId| {
+            id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1
+        };
         let mut watch = Self {
             subject,
+            received: slots().filter(|(_, row)| row.pdo() == PdoMapping::Receive).collect(),
+            cob_ids: slots().filter(|(_, row)| sends(row.id())).map(|(slot, _)| slot).collect(),
             node: Node::new(subject.dictionary, subject.node_id, subject.settings),
             mood: Mood::Willing,
             now: Instant::ZERO,
@@ -242,6 +254,7 @@ impl<const LEN: usize> Watch<LEN> {
             sdo_owed: 0,
             sdo_answered: Some(0),
             lost_frames: false,
+            overflow_is_new: false,
             storage_commands: 0,
             storage: Storage::Idle,
             kept: Vec::new(),
@@ -405,7 +418,7 @@ impl<const LEN: usize> Watch<LEN> {
         let bits = bytes.pick(&[8, 8, 16, 32, 0, 4, 64, 255])?;
         let entry = u32::from(index) << 16 | u32::from(sub) << 8 | bits;
         let any = bytes.u32()?;
-        let raw = bytes.pick(&[small, small % 10, entry, entry, any])?;
+        let raw = row.data_type().widen(bytes.pick(&[small, small % 10, entry, entry, any])?);
         let is_kept = !is_text(row.data_type()) && row.permits(raw) && !is_cob_id(row.id());
         Some(if is_kept { Step::Keep { slot, raw } } else { Step::Advance { us: 1 } })
     }
@@ -682,15 +695,19 @@ impl<const LEN: usize> Watch<LEN> {
         (self.heartbeat.period, self.sync.period) = (None, None);
     }
 
+    /// What is due is done by one call. Only what is to be said about an overflow comes later: it is
+    /// known when its event is taken.
     fn wake(&mut self) {
         self.sdo_owed += 1;
+        self.overflow_is_new = false;
         self.node.handle_timeout(self.now, &mut self.mood);
         self.drain();
         if self.bus == Bus::Free {
             self.sdo_owed = 0;
         }
         let next_at = self.node.poll_timeout();
-        assert!(next_at.is_none_or(|next_at| next_at > self.now), "the node is never done");
+        let is_done = next_at.is_none_or(|next_at| next_at > self.now);
+        assert!(is_done || self.overflow_is_new, "the node is never done");
     }
 
     /// Checks frames and events; returns the SDO answers.
@@ -725,7 +742,7 @@ impl<const LEN: usize> Watch<LEN> {
                 Event::Lss(event) => self.handle_lss(event),
                 Event::TransmitOverflow { .. } => {
                     assert_eq!(self.bus, Bus::Busy);
-                    self.lost_frames = true;
+                    (self.lost_frames, self.overflow_is_new) = (true, true);
                 }
             }
         }
@@ -870,10 +887,8 @@ impl<const LEN: usize> Watch<LEN> {
 
     /// What a master cannot write is not there.
     fn check_values(&self) {
-        for (slot, row) in self.subject.dictionary.slots() {
-            if row.pdo() == PdoMapping::Receive {
-                assert!(row.permits(self.node.values().raw(slot)), "{:?}", row.id());
-            }
+        for (slot, row) in &self.received {
+            assert!(row.permits(self.node.values().raw(*slot)), "{:?}", row.id());
         }
     }
 
@@ -883,10 +898,8 @@ impl<const LEN: usize> Watch<LEN> {
         if self.subject.settings.lss.is_some() {
             ids.insert(LSS_RESPONSE);
         }
-        let rows = self.subject.dictionary.rows().map(|row| row.id());
-        let cob_ids = rows
-            .filter(|id| id.index == 0x1014 || (0x1800..0x1A00).contains(&id.index) && id.sub == 1);
-        ids.extend(cob_ids.filter_map(|id| valid(self.value(id)?)));
+        let cob_ids = self.cob_ids.iter().map(|&slot| self.node.values().raw(slot));
+        ids.extend(cob_ids.filter_map(valid));
         let sync = self.value(ObjectId { index: 0x1005, sub: 0 });
         ids.extend(sync.filter(|sync| sync & 1 << 30 != 0).map(|sync| (sync & 0x7FF) as u16));
         ids
@@ -907,7 +920,7 @@ impl<const LEN: usize> Watch<LEN> {
 
     /// The producers whose heartbeats are monitored, and how long each may take.
     fn monitored(&self) -> impl Iterator<Item = (u8, Duration)> {
-        let entries = (1..=127).filter_map(|sub| self.value(ObjectId { index: MONITORED, sub }));
+        let entries = (1..=127).map_while(|sub| self.value(ObjectId { index: MONITORED, sub }));
         entries.filter_map(|entry| {
             let [low, high, producer, _] = entry.to_le_bytes();
             let time_ms = u16::from_le_bytes([low, high]);
