@@ -163,6 +163,7 @@ class Device:
         self.node.sdo.MAX_RETRIES = 0
         conftest.restart(self.node)
         self.spans = dict(spans(product.sheet))
+        self.in_pre_operational = set(written_in_pre_operational(product.sheet))
 
     def close(self):
         self.network.disconnect()
@@ -199,12 +200,25 @@ class Device:
         return self.write(entry.index, entry.subindex, data)
 
 
-def spans(sheet):
-    """The permitted numbers of each line of the handbook that has any."""
+def lines(sheet):
+    """The cells of each line of the handbook."""
     page = ROOT / "docs" / "od" / f"{sheet.lower()}.md"
     for line in page.read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if line.startswith("| 0x") and cells[6]:
+        if line.startswith("| 0x"):
+            yield [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def written_in_pre_operational(sheet):
+    """The lines that can be written in this state alone."""
+    for cells in lines(sheet):
+        if cells[4].endswith("written in Pre-operational"):
+            yield key_of(cells)
+
+
+def spans(sheet):
+    """The permitted numbers of each line that has any."""
+    for cells in lines(sheet):
+        if cells[6]:
             numbers = cells[6].split("(")[0].strip()
             ends = [span.split(" to ") for span in numbers.split("; ") if span]
             if ends:
@@ -363,12 +377,74 @@ def test_limits(device):
             answer = device.write_number(entry, number)
             if answer != expected:
                 wrong.append((name(entry), number, answer, expected))
-        if not any(first <= before <= last for first, last in permitted):
+        if not is_permitted(device, entry, before):
             continue
         answer = device.write_number(entry, before)
         if answer != product.refused.get(key(entry)):
             wrong.append((name(entry), "back to", before, answer))
     judge(wrong)
+
+
+def test_commands(device):
+    """NM17x SDO-06: what is write only takes each of its numbers, and no other."""
+    wrong = []
+    for entry in device.variables():
+        if not writes_numbers(device, entry) or entry.readable:
+            continue
+        permitted = device.spans[key(entry)]
+        taken = [number for first, last in permitted for number in range(first, last + 1)]
+        for number in [*taken, permitted[-1][-1] + 1]:
+            answer = device.write_number(entry, number)
+            expected = None if number in taken else device.product.above
+            if answer != expected:
+                wrong.append((name(entry), number, answer, expected))
+    judge(wrong)
+
+
+def test_texts(device):
+    """NM17x SDO-05, SDO-06: a text has the length it has at delivery."""
+    wrong = []
+    for entry in device.variables():
+        if not is_text(entry) or not entry.writable:
+            continue
+        before = device.read(entry)
+        other = before[::-1]
+        for text, expected in [(before[1:], VALUE_RANGE), (before + b" ", VALUE_RANGE), (other, None)]:
+            answer = device.write(entry.index, entry.subindex, text)
+            if answer != expected:
+                wrong.append((name(entry), text, answer, expected))
+            read = device.read(entry)
+            if read != (before if expected else text):
+                wrong.append((name(entry), "reads", read))
+        assert device.write(entry.index, entry.subindex, before) is None
+    judge(wrong)
+
+
+def test_access_in_operational(device):
+    """AP04 AP-SDO-07: some objects are written in Pre-operational alone; the others, and reads, know
+    no difference."""
+    wrong = []
+    device.node.nmt.state = "OPERATIONAL"
+    for entry in device.variables():
+        if not writes_numbers(device, entry) or not entry.readable:
+            continue
+        number = number_in(entry, device.read(entry))
+        if not is_permitted(device, entry, number):
+            continue
+        expected = device.product.refused.get(key(entry))
+        if key(entry) in device.in_pre_operational:
+            expected = DEVICE_STATE
+        answer = device.write_number(entry, number)
+        if answer != expected:
+            wrong.append((name(entry), number, answer, expected))
+    device.node.nmt.state = "PRE-OPERATIONAL"
+    judge(wrong)
+
+
+def is_permitted(device, entry, number):
+    """Whether it takes the number, which it may read all the same."""
+    permitted = device.spans.get(key(entry))
+    return permitted is None or any(first <= number <= last for first, last in permitted)
 
 
 def test_what_does_not_exist(device):
