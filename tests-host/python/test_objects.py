@@ -408,8 +408,8 @@ def test_texts(device):
         if not is_text(entry) or not entry.writable:
             continue
         before = device.read(entry)
-        other = before[::-1]
-        for text, expected in [(before[1:], VALUE_RANGE), (before + b" ", VALUE_RANGE), (other, None)]:
+        wrong_lengths = [(before[1:], VALUE_RANGE), (before + b" ", VALUE_RANGE)]
+        for text, expected in [*wrong_lengths, (before[::-1], None)]:
             answer = device.write(entry.index, entry.subindex, text)
             if answer != expected:
                 wrong.append((name(entry), text, answer, expected))
