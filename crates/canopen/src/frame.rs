@@ -79,11 +79,13 @@ impl Frame {
     #[must_use]
     #[inline]
     pub const fn prefix(id: CanId, data: [u8; DATA_MAX], len: u8) -> Self {
+        if len >= 8 {
+            return Self::full(id, data);
+        }
         let [a, b, c, d, e, f, g, h] = data;
         let low = u32::from_le_bytes([a, b, c, d]) & lowest_bytes(len);
         let high = u32::from_le_bytes([e, f, g, h]) & lowest_bytes(len.saturating_sub(4));
         let ([a, b, c, d], [e, f, g, h]) = (low.to_le_bytes(), high.to_le_bytes());
-        let len = if len < 8 { len } else { 8 };
         Self { id, remote: false, len, data: [a, b, c, d, e, f, g, h] }
     }
 

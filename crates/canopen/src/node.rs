@@ -234,8 +234,9 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         self.screen.open(lss::REQUEST);
     }
 
-    /// Takes a received frame in. What a master writes to an object of the communication is answered
-    /// first: then [`Self::handle_timeout`] is due at once, and acts on it before anything else does.
+    /// Takes a received frame in. A request is answered first: what a master wrote to an object of the
+    /// communication is acted on, and how long a transfer may take is worked out, behind the answer.
+    /// Then [`Self::handle_timeout`] is due at once.
     #[inline]
     pub fn handle_frame(
         &mut self,
@@ -359,7 +360,14 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     /// What happened, the oldest first.
     #[inline]
     pub fn poll_event(&mut self) -> Option<Event> {
-        if self.has_news | self.outbox.has_overflowed() { self.next_event() } else { None }
+        if self.has_events() { self.next_event() } else { None }
+    }
+
+    /// Whether [`Self::poll_event`] is worth a call.
+    #[must_use]
+    #[inline]
+    pub fn has_events(&self) -> bool {
+        self.has_news | self.outbox.has_overflowed()
     }
 
     /// The frames this node listens to, whatever its state; all others may be filtered out.

@@ -186,11 +186,13 @@ pub(crate) fn check<const LEN: usize>(
     const OVERFLOW_MAX: u32 = 240;
     match object.index {
         COB_ID => {
-            let before = CobId::from_raw(number(values, COB_ID, 0));
             let after = CobId::from_raw(raw);
-            let moves = before.generates() && before.can_id() != after.can_id();
-            let is_able = parameter(values, PERIOD, 0).is_some() && !moves;
-            if after.suits_sync() && (is_able || !after.generates()) {
+            let moves = || {
+                let before = CobId::from_raw(number(values, COB_ID, 0));
+                before.generates() && before.can_id() != after.can_id()
+            };
+            let may_generate = || parameter(values, PERIOD, 0).is_some() && !moves();
+            if after.suits_sync() && (!after.generates() || may_generate()) {
                 Ok(())
             } else {
                 Err(AbortCode::VALUE_RANGE)

@@ -10,9 +10,8 @@ use units::{Duration, Instant};
 use crate::bit_timing::BitTiming;
 use crate::emergency::{Condition, Conditions, Emergency};
 use crate::link::{self, Link};
-use crate::message::Message;
 use crate::nm17x::Nm17x;
-use crate::objects::{ApplicationWrite, Known, Objects, Outcome};
+use crate::objects::{ApplicationWrite, Objects, Outcome};
 use crate::record::Record;
 use crate::saving::{Parameters, Saving};
 use crate::slots::Slots;
@@ -73,25 +72,20 @@ pub struct NotSaved;
 #[derive(Debug)]
 pub struct Interface {
     product: &'static Product,
-    slots: Slots,
     node: Node<OBJECTS_MAX, Nm17x>,
-    link: Link,
+    objects: Objects,
     /// Until when the boot-up message waits for the application's values.
     boot_up_by: Option<Instant>,
     /// Until when a restart waits for what is being written.
     restart_by: Option<Instant>,
-    values_known: bool,
     conditions: Conditions,
     /// In 0x2100's numbers.
     bit_rate: u8,
     bit_timing: Option<BitTiming>,
     stored: Set,
     saving: Saving,
-    message: Message,
     /// The last correction of RxPDO2, until another one is written.
     received_correction: Option<u16>,
-    /// What a master wrote, until it is on its way to the application.
-    answered_write: Option<ApplicationWrite>,
     /// The number of the offer that the application controller shows.
     offer: Option<u8>,
     /// The number of the last offer.
@@ -135,20 +129,16 @@ impl Interface {
         let slots = Slots::of(product.dictionary);
         let mut interface = Self {
             product,
-            slots,
             node: Node::new(product.dictionary, node_id, Nm17x),
-            link: Link::new(now, hello, rows, node_id.get()),
+            objects: Objects::new(slots, Link::new(now, hello, rows, node_id.get())),
             boot_up_by: Some(now + BOOT_UP_AFTER),
             restart_by: None,
-            values_known: false,
             conditions: Conditions::default(),
             bit_rate: 0,
             bit_timing: None,
             stored: set,
             saving: Saving::default(),
-            message: Message::default(),
             received_correction: None,
-            answered_write: None,
             offer: None,
             offers: 0,
             events: Deque::new(),
@@ -160,6 +150,7 @@ impl Interface {
         }
         interface.bit_rate = interface.node.values().get(&BIT_RATE);
         interface.stored.apply(&mut interface.node);
+        interface.note_scaling();
         interface
     }
 
@@ -177,7 +168,7 @@ impl Interface {
 
     /// What became of everything that was to be saved until [`Event::Confirm`].
     pub fn handle_saved(&mut self, now: Instant, number: u8, outcome: Result<(), NotSaved>) {
-        self.hand_on_write(now);
+        self.follow_up(now);
         if let Some(parameters) = self.saving.take_parameters(number) {
             self.follow_parameters(now, parameters, outcome);
         }
@@ -192,26 +183,29 @@ impl Interface {
         self.node.accepts()
     }
 
-    /// A frame from the bus. A write to an object of the application is answered first: then
+    /// A frame from the bus. It is answered; what else it brings about comes behind its answer: then
     /// [`Self::handle_timeout`] is due at once.
+    #[inline]
     pub fn handle_frame(&mut self, now: Instant, frame: &Frame) {
-        self.hand_on_write(now);
-        self.run_node(now, Some(frame));
+        if self.is_behind() {
+            self.follow_up(now);
+        }
+        self.node.handle_frame(now, frame, &mut self.objects);
     }
 
     /// Bytes from the link.
     pub fn handle_link(&mut self, now: Instant, bytes: &[u8]) {
-        self.hand_on_write(now);
+        self.follow_up(now);
         for &byte in bytes {
-            self.link.handle_byte(now, byte);
+            self.objects.link.handle_byte(now, byte);
             self.settle_link(now);
         }
-        self.run_node(now, None);
+        self.run_node(now);
     }
 
     /// The controller's standing on the bus changed.
     pub fn handle_bus(&mut self, now: Instant, bus: BusState) {
-        self.hand_on_write(now);
+        self.follow_up(now);
         self.node.handle_bus(now, bus);
         self.settle_node(now);
     }
@@ -223,8 +217,8 @@ impl Interface {
 
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Instant) {
-        self.hand_on_write(now);
-        self.link.handle_timeout(now);
+        self.follow_up(now);
+        self.objects.link.handle_timeout(now);
         self.settle_link(now);
         if self.boot_up_by.is_some_and(|by| by <= now) {
             self.boot_up(now);
@@ -232,18 +226,19 @@ impl Interface {
             self.send(Emergency::LINK_LOST);
         }
         self.switch_bit_rate(now);
-        self.run_node(now, None);
+        self.run_node(now);
     }
 
     /// When [`Self::handle_timeout`] has something to do.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
+        if self.is_behind() {
+            return Some(Instant::ZERO);
+        }
         let switch_at = self.bit_timing.map(|timing| timing.due_at());
-        let link_at = Some(self.link.poll_timeout());
-        let write_at = self.answered_write.map(|_| Instant::ZERO);
-        let node_at = self.node.poll_timeout();
-        let due = [write_at, link_at, node_at, self.boot_up_by, self.restart_by, switch_at];
-        due.into_iter().flatten().min()
+        let link_at = self.objects.link.poll_timeout();
+        let due = [self.node.poll_timeout(), self.boot_up_by, self.restart_by, switch_at];
+        Some(due.into_iter().flatten().fold(link_at, Instant::min))
     }
 
     /// The next frame for a mailbox: the lowest CAN-ID, the oldest of equal ones.
@@ -264,7 +259,7 @@ impl Interface {
 
     /// The next frame for the link.
     pub fn poll_link(&mut self) -> Option<Encoded> {
-        self.link.poll_transmit()
+        self.objects.link.poll_transmit()
     }
 
     /// What there is to do, the oldest first.
@@ -284,49 +279,52 @@ const DELIVERED_NODE_ID: NodeId = match NodeId::new(127) {
 const BIT_RATE_MAX: u8 = 8;
 
 impl Interface {
-    /// Lets the node take a frame in, or do what is due.
-    fn run_node(&mut self, now: Instant, frame: Option<&Frame>) {
-        let known =
-            Known { values: self.values_known, scaling: self.value(self.slots.scaling) != 0 };
-        let mut objects = Objects {
-            link: &mut self.link,
-            message: &mut self.message,
-            slots: &self.slots,
-            known,
-            outcome: Outcome::Nothing,
-        };
-        match frame {
-            Some(frame) => self.node.handle_frame(now, frame, &mut objects),
-            None => self.node.handle_timeout(now, &mut objects),
-        }
-        match objects.outcome {
+    /// Whether frames brought about what has not been followed.
+    #[inline]
+    fn is_behind(&self) -> bool {
+        !matches!(self.objects.outcome, Outcome::Nothing) || self.node.has_events()
+    }
+
+    /// What frames brought about is followed behind their answers, and before anything else.
+    fn follow_up(&mut self, now: Instant) {
+        match self.objects.take_outcome() {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
-            Outcome::Write(write) => self.answered_write = Some(write),
-            Outcome::Received(received) => self.follow_pdo(now, received),
+            Outcome::Write(write) => self.hand_on(now, write),
             Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
+            Outcome::Received(received) => self.follow_pdo(now, received),
         }
         self.settle_node(now);
     }
 
-    /// What a master wrote goes to the application behind its answer, and before anything else.
-    fn hand_on_write(&mut self, now: Instant) {
-        let Some(write) = self.answered_write.take() else { return };
-        write.hand_on(&mut self.link, &mut self.message);
-        let (slots, slot) = (&self.slots, Some(write.slot));
+    /// Lets the node do what is due.
+    fn run_node(&mut self, now: Instant) {
+        self.node.handle_timeout(now, &mut self.objects);
+        self.follow_up(now);
+    }
+
+    /// What a master wrote goes to the application.
+    fn hand_on(&mut self, now: Instant, write: ApplicationWrite) {
+        self.objects.hand_on(write);
+        self.note_scaling();
+        let (slots, slot) = (&self.objects.slots, Some(write.slot));
         if [slots.correction, slots.correction_enabled].contains(&slot) {
             self.received_correction.take_if(|_| slot == slots.correction);
             self.follow_correction(now);
         }
     }
 
+    fn note_scaling(&mut self) {
+        self.objects.has_scaling = self.value(self.objects.slots.scaling) != 0;
+    }
+
     fn settle_link(&mut self, now: Instant) {
-        while let Some(event) = self.link.poll_event() {
+        while let Some(event) = self.objects.link.poll_event() {
             match event {
                 link::Event::Process(process) => self.take_process_data(now, &process),
                 link::Event::Values(from, values) => self.take_values(now, from, &values),
                 link::Event::SnapshotComplete => {
-                    self.values_known = true;
+                    self.objects.values_known = true;
                     self.boot_up(now);
                     self.set_condition(now, Condition::Link, false);
                 }
@@ -346,18 +344,18 @@ impl Interface {
             match event {
                 canopen::Event::StateChanged { from, to } => self.follow_state(from, to),
                 canopen::Event::ResetNode => {
-                    self.link.stop(Urgency::StateLowered);
+                    self.objects.link.stop(Urgency::StateLowered);
                     self.restart_by = Some(now + RESTART_WITHIN);
                 }
                 canopen::Event::ResetCommunication => {
-                    self.link.stop(Urgency::StateLowered);
+                    self.objects.link.stop(Urgency::StateLowered);
                     self.rebuild_node(self.node.pending_node_id().unwrap_or(self.node.node_id()));
                     self.event(Event::FiltersChanged);
                     self.boot_up_by = Some(now);
                     self.boot_up(now);
                 }
                 canopen::Event::HeartbeatLost { .. } | canopen::Event::GuardingLost => {
-                    self.link.stop(Urgency::HeartbeatLost)
+                    self.objects.link.stop(Urgency::HeartbeatLost)
                 }
                 canopen::Event::HeartbeatRecovered { .. }
                 | canopen::Event::GuardingRecovered
@@ -375,14 +373,14 @@ impl Interface {
                 canopen::Event::FiltersChanged => self.event(Event::FiltersChanged),
                 canopen::Event::Lss(event) => self.follow_lss(now, event),
                 canopen::Event::BusStateChanged { to: BusState::Off, .. } => {
-                    self.link.stop(Urgency::BusOff);
+                    self.objects.link.stop(Urgency::BusOff);
                 }
                 canopen::Event::BusStateChanged { .. }
                 | canopen::Event::Time(_)
                 | canopen::Event::TransmitOverflow { .. } => {}
             }
         }
-        if self.restart_by.take_if(|by| *by <= now || !self.link.has_writes()).is_some() {
+        if self.restart_by.take_if(|by| *by <= now || !self.objects.link.has_writes()).is_some() {
             self.event(Event::Restart);
         }
     }
@@ -397,10 +395,10 @@ impl Interface {
             (Ok(()), Parameters::Keep) => self.stored = self.saving.set().clone(),
             (Ok(()), Parameters::Forget) => {
                 self.stored = Set::default();
-                let delivered =
-                    self.slots.bit_rate.and_then(|slot| self.product.dictionary.row(slot));
-                self.set_value(now, self.slots.node_id, DELIVERED_NODE_ID.get().into());
-                self.set_value(now, self.slots.bit_rate, delivered.map_or(0, |row| row.initial(0)));
+                let Slots { node_id, bit_rate, .. } = self.objects.slots;
+                let delivered = bit_rate.and_then(|slot| self.product.dictionary.row(slot));
+                self.set_value(now, node_id, DELIVERED_NODE_ID.get().into());
+                self.set_value(now, bit_rate, delivered.map_or(0, |row| row.initial(0)));
             }
             (Err(NotSaved), Parameters::Keep | Parameters::Forget) => {}
         }
@@ -416,14 +414,14 @@ impl Interface {
             State::PreOperational => 2,
             State::Operational => 3,
         };
-        self.link.set_node_state(match to {
+        self.objects.link.set_node_state(match to {
             State::Initialising => NodeState::Initialising,
             State::Stopped => NodeState::Stopped,
             State::PreOperational => NodeState::PreOperational,
             State::Operational => NodeState::Operational,
         });
         if rank(to) < rank(from) {
-            self.link.stop(Urgency::StateLowered);
+            self.objects.link.stop(Urgency::StateLowered);
         }
     }
 
@@ -440,7 +438,7 @@ impl Interface {
         let before = core::mem::replace(&mut self.node, fresh);
         self.stored.apply(&mut self.node);
         self.end_offer();
-        self.link.set_node_id(node_id.get());
+        self.objects.link.set_node_id(node_id.get());
         for (slot, row) in self.product.dictionary.slots() {
             let kept = row.id().index >= 0x2000 || row.id().index == ERROR_FIELD;
             if kept || row.id() == SERIAL_NUMBER.id() || row.id() == STATUS_REGISTER.id() {
@@ -452,7 +450,7 @@ impl Interface {
     }
 
     fn take_process_data(&mut self, now: Instant, process: &ProcessData) {
-        let Slots { position, status, errors, status_register, .. } = self.slots;
+        let Slots { position, status, errors, status_register, .. } = self.objects.slots;
         self.set_value(now, position, process.position_hundredths_mm.cast_unsigned());
         self.set_value(now, status, process.status.into());
         self.set_value(now, errors, process.errors.into());
@@ -461,34 +459,37 @@ impl Interface {
     }
 
     fn take_values(&mut self, now: Instant, from: u16, values: &[u32]) {
-        let correction = self.value(self.slots.correction);
+        let correction = self.value(self.objects.slots.correction);
         for (position, &value) in (from..).zip(values) {
             let Some(slot) = Slot::at(self.product.dictionary, position) else { break };
             match self.product.dictionary.row(slot) {
-                Some(row) if row.owner() != Owner::Application || self.slots.is_live(slot) => {}
-                Some(row) if self.link.is_writing(row.id()) => {}
+                Some(row)
+                    if row.owner() != Owner::Application || self.objects.slots.is_live(slot) => {}
+                Some(row) if self.objects.link.is_writing(row.id()) => {}
                 Some(row) if is_plausible(row, value) => self.node.set_value(now, slot, value),
                 Some(_) => self.send(link::Fault::CorruptValue.into()),
                 None => break,
             }
         }
-        if self.value(self.slots.correction) != correction {
+        if self.value(self.objects.slots.correction) != correction {
             self.received_correction = None;
         }
+        self.note_scaling();
         self.follow_correction(now);
     }
 
     /// 0x2501:04: the correction that RxPDO2 brought, else the one of 0x2010 as far as 16 bits
     /// hold it; 0 while it is not in force.
     fn follow_correction(&mut self, now: Instant) {
-        let correction = self.value(self.slots.correction).cast_signed();
+        let correction = self.value(self.objects.slots.correction).cast_signed();
         let saturated = correction.clamp(i16::MIN.into(), i16::MAX.into());
-        let sent = match (self.value(self.slots.correction_enabled), self.received_correction) {
-            (0, _) => 0,
-            (_, Some(received)) => received.into(),
-            (_, None) => saturated.cast_unsigned() & u32::from(u16::MAX),
-        };
-        self.set_value(now, self.slots.correction_sent, sent);
+        let sent =
+            match (self.value(self.objects.slots.correction_enabled), self.received_correction) {
+                (0, _) => 0,
+                (_, Some(received)) => received.into(),
+                (_, None) => saturated.cast_unsigned() & u32::from(u16::MAX),
+            };
+        self.set_value(now, self.objects.slots.correction_sent, sent);
     }
 
     fn value(&self, slot: Option<Slot>) -> u32 {

@@ -1,6 +1,8 @@
 //! How a master's access to an object reaches the controller that holds it (manual 3.7.1; decisions
 //!
 
+use core::mem;
+
 use canopen::{Application, Mapped, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
 use profiles::nm17x::{
@@ -30,23 +32,18 @@ const STARTS: [ObjectId; 7] = [
     JOG_COMMAND.id(),
 ];
 
-/// The way to the holder of an object, for as long as one frame is handled.
+/// The ways to the holders of the objects.
 #[derive(Debug)]
-pub(crate) struct Objects<'a> {
-    pub(crate) link: &'a mut Link,
-    pub(crate) message: &'a mut Message,
-    pub(crate) slots: &'a Slots,
-    pub(crate) known: Known,
+pub(crate) struct Objects {
+    pub(crate) slots: Slots,
+    pub(crate) link: Link,
+    pub(crate) message: Message,
+    /// The application's values have been read.
+    pub(crate) values_known: bool,
+    /// The application has a scaling, without which nothing can be preset.
+    pub(crate) has_scaling: bool,
+    /// What the last frame brought about, until that is followed.
     pub(crate) outcome: Outcome,
-}
-
-/// What is known of the application when a frame arrives.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Known {
-    /// Its values have been read.
-    pub(crate) values: bool,
-    /// It has a scaling, without which nothing can be preset.
-    pub(crate) scaling: bool,
 }
 
 /// What a frame brought about besides its answer. One frame writes one object.
@@ -72,23 +69,43 @@ pub(crate) struct ApplicationWrite {
 }
 
 impl ApplicationWrite {
-    /// Hands it on. Nothing has taken its room since it was answered.
-    pub(crate) fn hand_on(self, link: &mut Link, message: &mut Message) {
-        if self.is_stop() {
-            link.stop(Urgency::MotorStop);
-            message.end(link);
-        } else if link.write(self.id, self.raw, kind(self.id)).is_ok() {
-            message.note_write();
-        }
-    }
-
     /// A stop does not wait for its turn (NM17x LINK-07).
     fn is_stop(&self) -> bool {
         self.id == POSITIONING_COMMAND.id() && self.raw == 0
     }
 }
 
-impl Objects<'_> {
+impl Objects {
+    pub(crate) fn new(slots: Slots, link: Link) -> Self {
+        Self {
+            slots,
+            link,
+            message: Message::default(),
+            values_known: false,
+            has_scaling: false,
+            outcome: Outcome::Nothing,
+        }
+    }
+
+    pub(crate) fn take_outcome(&mut self) -> Outcome {
+        mem::replace(&mut self.outcome, Outcome::Nothing)
+    }
+
+    /// Hands a write on. Nothing has taken its room since it was answered.
+    pub(crate) fn hand_on(&mut self, write: ApplicationWrite) {
+        let ApplicationWrite { id, raw, .. } = write;
+        if write.is_stop() {
+            self.link.stop(Urgency::MotorStop);
+            self.end_message();
+        } else if self.link.write(id, raw, kind(id)).is_ok() {
+            self.message.note_write();
+        }
+    }
+
+    pub(crate) fn end_message(&mut self) {
+        self.message.end(&mut self.link);
+    }
+
     fn write_application(
         &mut self,
         slot: Slot,
@@ -96,7 +113,7 @@ impl Objects<'_> {
         raw: u32,
     ) -> Result<Written, WriteError> {
         let id = row.id();
-        if id == PRESET.id() && !self.known.scaling {
+        if id == PRESET.id() && !self.has_scaling {
             return Err(WriteError::Failed);
         }
         let write = ApplicationWrite { slot, id, raw };
@@ -127,12 +144,12 @@ pub(crate) fn kind(id: ObjectId) -> Kind {
     }
 }
 
-impl Application for Objects<'_> {
+impl Application for Objects {
     fn read(&mut self, slot: Slot, row: &Row) -> Result<(), ReadError> {
         let known = if self.slots.is_live(slot) {
             self.link.in_service()
         } else {
-            row.owner() == Owner::Interface || self.known.values
+            row.owner() == Owner::Interface || self.values_known
         };
         if known { Ok(()) } else { Err(ReadError::NoData) }
     }
@@ -149,7 +166,7 @@ impl Application for Objects<'_> {
             }
             (Owner::Interface, Storage::Volatile | Storage::OnCommand) => {}
         }
-        self.message.end(self.link);
+        self.end_message();
         // What TxPDO2 returns follows the correction alone.
         let ignored = row.id() == PDO_SETPOINT_CORRECTION_SENT.id();
         Ok(if ignored { Written::Ignored } else { Written::Taken })
@@ -179,7 +196,7 @@ impl Application for Objects<'_> {
     }
 
     fn write_text(&mut self, _slot: Slot, _row: &Row, text: &[u8]) -> Result<(), WriteError> {
-        let queued = self.message.show(self.link, text);
+        let queued = self.message.show(&mut self.link, text);
         self.note_queued(queued)
     }
 }

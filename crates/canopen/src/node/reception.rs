@@ -119,8 +119,10 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         let effect = objects.effect();
         self.answer();
         if waited || self.sdo.is_waiting() {
-            self.send_segment();
-            self.schedule();
+            if self.sdo.is_sending_block() {
+                self.send_segment();
+            }
+            self.wake_at = self.now;
         }
         match effect {
             Effect::None => {}

@@ -19,10 +19,10 @@ pub(crate) fn check<const LEN: usize>(
     raw: u32,
 ) -> Result<(), AbortCode> {
     let ObjectId { index, sub } = object;
-    let present = CobId::from_raw(number(values, index & !MAPPING, 1));
-    let is_on = present.valid().is_some();
+    let present = || CobId::from_raw(number(values, index & !MAPPING, 1));
+    let is_on = || present().valid().is_some();
     if index & MAPPING != 0 {
-        return if is_on {
+        return if is_on() {
             Err(AbortCode::UNSUPPORTED_ACCESS)
         } else {
             check_mapping(values, object, raw)
@@ -31,7 +31,7 @@ pub(crate) fn check<const LEN: usize>(
     let (is_known, is_fixed) = match (sub, Direction::of(index)) {
         (1, _) => {
             let cob_id = CobId::from_raw(raw);
-            let moves = cob_id.can_id() != present.can_id();
+            let moves = cob_id.can_id() != present().can_id();
             (takes(settings.identifiers, cob_id), moves && cob_id.valid().is_some())
         }
         (2, Direction::Receive) => (Reception::new(raw) != Reception::Never, false),
@@ -40,11 +40,8 @@ pub(crate) fn check<const LEN: usize>(
         (6, Direction::Transmit) => (raw <= 240, true),
         _ => (true, false),
     };
-    if is_known && !(is_fixed && is_on && settings.pdo.changes == PdoChanges::WhileOff) {
-        Ok(())
-    } else {
-        Err(AbortCode::VALUE_RANGE)
-    }
+    let is_guarded = is_fixed && settings.pdo.changes == PdoChanges::WhileOff;
+    if is_known && !(is_guarded && is_on()) { Ok(()) } else { Err(AbortCode::VALUE_RANGE) }
 }
 
 /// Whether a PDO may have this COB-ID.

@@ -275,6 +275,9 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
     /// Whether the stack can act on this value of an object of the communication.
     #[inline(never)]
     fn check_communication(&self, object: ObjectId, raw: u32) -> Result<(), AbortCode> {
+        if let 0x1400..=0x1BFF = object.index {
+            return pdo::check(self.values, self.settings(), object, raw);
+        }
         let possible = match (object.index, object.sub) {
             (emcy::HISTORY, 0) => raw == 0,
             (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
@@ -292,10 +295,7 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
         if !possible {
             return Err(self.settings().abort_codes.value_range);
         }
-        match object.index {
-            0x1400..=0x1BFF => pdo::check(self.values, self.settings(), object, raw),
-            _ => sync::check(self.values, object, raw),
-        }
+        sync::check(self.values, object, raw)
     }
 }
 

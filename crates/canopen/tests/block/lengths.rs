@@ -61,7 +61,9 @@ impl Server {
         let frame = Frame::full(CanId::new(SDO_REQUEST).unwrap(), request);
         self.node.handle_frame(Instant::ZERO, &frame, &mut self.store);
         let frames = std::iter::from_fn(|| self.node.take_transmit());
-        frames.map(|frame| frame.data().try_into().unwrap()).collect()
+        let answers = frames.map(|frame| frame.data().try_into().unwrap()).collect();
+        self.node.handle_timeout(Instant::ZERO, &mut self.store);
+        answers
     }
 
     #[track_caller]

@@ -72,7 +72,9 @@ impl Server {
     fn ask(&mut self, request: [u8; 8]) -> Vec<[u8; 8]> {
         let frame = Frame::full(CanId::new(SDO_REQUEST).unwrap(), request);
         self.node.handle_frame(self.now, &frame, &mut self.texts);
-        self.answers()
+        let answers = self.answers();
+        self.node.handle_timeout(self.now, &mut self.texts);
+        answers
     }
 
     fn answers(&mut self) -> Vec<[u8; 8]> {

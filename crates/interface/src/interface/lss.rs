@@ -27,7 +27,7 @@ impl Interface {
                 self.save_layer_settings(LayerSettings { node_id, bit_rate: None });
             }
             LssEvent::ActivateBitTiming { bit_rate, delay } => {
-                self.link.stop(Urgency::StateLowered);
+                self.objects.link.stop(Urgency::StateLowered);
                 let node_id = self.node.pending_node_id().unwrap_or(self.node.node_id());
                 self.bit_timing = Some(BitTiming::new(now, bit_rate, node_id, delay));
             }
@@ -59,10 +59,10 @@ impl Interface {
     ) {
         let LayerSettings { node_id, bit_rate } = settings;
         if outcome.is_ok() {
-            self.set_value(now, self.slots.node_id, node_id.get().into());
+            self.set_value(now, self.objects.slots.node_id, node_id.get().into());
             if let Some(bit_rate) = bit_rate {
                 let number = BIT_RATE_MAX.saturating_sub(bit_rate.index());
-                self.set_value(now, self.slots.bit_rate, number.into());
+                self.set_value(now, self.objects.slots.bit_rate, number.into());
             }
         }
         self.node.handle_lss_stored(outcome.map_err(|NotSaved| StoreError::AccessFailed));
@@ -86,7 +86,7 @@ impl Interface {
 
     fn tell_offer(&mut self, number: u8, node_id: u8) {
         let value = u32::from_le_bytes([node_id, number, 0, 0]);
-        if self.link.write(OFFER, value, Kind::Value).is_err() {
+        if self.objects.link.write(OFFER, value, Kind::Value).is_err() {
             self.send(Emergency::OFFER_NOT_SENT);
         }
     }

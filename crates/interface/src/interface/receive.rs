@@ -56,7 +56,7 @@ impl Interface {
             .and_then(|id| self.find(id))
             .ok_or(Emergency::NO_BROADCAST)?;
         check(row, data)?;
-        if id == PRESET.id() && self.value(self.slots.scaling) == 0 {
+        if id == PRESET.id() && !self.objects.has_scaling {
             return Err(Emergency::WRONG_VALUE);
         }
         if id == POSITIONING_COMMAND.id() && data == 0 {
@@ -111,7 +111,7 @@ impl Interface {
         self.received_correction = Some(correction);
         let value = i32::from(correction.cast_signed()).cast_unsigned();
         if correction != KEEP_CORRECTION
-            && self.value(self.slots.correction) != value
+            && self.value(self.objects.slots.correction) != value
             && let Some(place) = self.find(CORRECTION.id())
         {
             self.forward(now, place, value);
@@ -121,8 +121,8 @@ impl Interface {
 
     /// Hands a value for which there is room on to the application controller.
     fn forward(&mut self, now: Instant, (slot, row): (Slot, Row), raw: u32) {
-        if self.link.write(row.id(), raw, kind(row.id())).is_ok() {
-            self.message.note_write();
+        if self.objects.link.write(row.id(), raw, kind(row.id())).is_ok() {
+            self.objects.message.note_write();
             if !COMMANDS.contains(&row.id()) {
                 self.node.set_value(now, slot, raw);
             }
@@ -130,14 +130,14 @@ impl Interface {
     }
 
     fn stop(&mut self) -> Result<(), Emergency> {
-        self.link.check_room(0).map_err(|_| Emergency::STOP_NOT_SENT)?;
-        self.link.stop(Urgency::MotorStop);
-        self.message.end(&mut self.link);
+        self.objects.link.check_room(0).map_err(|_| Emergency::STOP_NOT_SENT)?;
+        self.objects.link.stop(Urgency::MotorStop);
+        self.objects.end_message();
         Ok(())
     }
 
     fn check_room(&self, writes: usize) -> Result<(), Emergency> {
-        self.link.check_room(writes).map_err(|_| Emergency::PDO_NOT_QUEUED)
+        self.objects.link.check_room(writes).map_err(|_| Emergency::PDO_NOT_QUEUED)
     }
 
     fn find(&self, id: ObjectId) -> Option<(Slot, Row)> {
