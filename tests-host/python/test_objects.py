@@ -341,7 +341,8 @@ def writes_numbers(device, entry):
 
 
 def test_limits(device):
-    """NM17x SDO-05, SDO-06; AP04 AP-SDO-06; encoder B-15: both ends of each span, and beyond."""
+    """NM17x SDO-05, SDO-06; AP04 AP-SDO-06, AP-POS-06; encoder EN-POS-07, B-15: both ends of each span,
+    and beyond."""
     product = device.product
     wrong = []
     for entry in device.variables():

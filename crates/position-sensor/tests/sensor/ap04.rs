@@ -272,3 +272,203 @@ fn process_data() {
     "#]],
     );
 }
+
+/// AP04 AP-NMT-01 to AP-NMT-04, AP-NMT-09, AP-HB-01 to AP-HB-03, AP-GEN-06: commands to this node and to
+/// all, the state in the heartbeat, the position in Operational alone; guarding is not answered.
+#[test]
+fn states_and_heartbeat() {
+    let mut script = Script::new("ap04");
+    script.ask(&["23 17 10 00 0A 00 00 00", "23 00 18 05 0A 00 00 00"]).run_ms(10);
+    script.send("000#01 02").send("000#01").run_ms(10);
+    script.send("000#01 01").run_ms(10).send("000#02 00").run_ms(10).send("080#");
+    script.ask(&["40 00 10 00 00 00 00 00"]).send("000#01 00").run_ms(10);
+    script.send("000#80 01").run_ms(10).send("080#").ask_remote(0x701);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 17 10 00 0A 00 00 00
+        < 581#60 17 10 00 00 00 00 00
+        < 701#7F
+        > 601#23 00 18 05 0A 00 00 00
+        < 581#60 00 18 05 00 00 00 00
+        10 ms
+        < 701#7F
+        > 000#01 02
+        > 000#01
+        10 ms
+        < 701#7F
+        > 000#01 01
+        10 ms
+        < 181#00 00 00 00 00
+        < 701#05
+        > 000#02 00
+        10 ms
+        < 701#04
+        > 080#
+        > 601#40 00 10 00 00 00 00 00
+        > 000#01 00
+        10 ms
+        < 181#00 00 00 00 00
+        < 701#05
+        > 000#80 01
+        10 ms
+        < 701#7F
+        > 080#
+        > 701 remote
+    "#]],
+    );
+}
+
+/// AP04 AP-NMT-07: the tables of the manual end at 31.
+#[test]
+fn every_node_id_is_commanded() {
+    let mut script = Script::new("ap04");
+    script.ask(&["23 0A 5F 00 7F 00 00 00"]).power_cycle().send("000#01 7F").send("080#");
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 0A 5F 00 7F 00 00 00
+        < 581#60 0A 5F 00 00 00 00 00
+        supply
+        < 77F#00
+        > 000#01 7F
+        > 080#
+        < 2FF#00 00 00 00 00
+    "#]],
+    );
+}
+
+/// AP04 AP-SDO-01, AP-SDO-04, AP-SDO-05, AP-GEN-03, AP-GEN-07: the data of a read request do not count;
+/// identifiers have 11 bits, and those of SDO are fixed.
+#[test]
+fn identifiers() {
+    let mut script = Script::new("ap04");
+    script.ask(&[
+        "40 00 10 00 DE AD BE EF",
+        "23 00 12 01 02 06 00 00",
+        "23 05 10 00 80 00 00 20",
+        "23 14 10 00 81 00 00 20",
+        "23 00 18 01 81 01 00 60",
+    ]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#40 00 10 00 DE AD BE EF
+        < 581#42 00 10 00 96 01 03 00
+        > 601#23 00 12 01 02 06 00 00
+        < 581#80 00 12 01 02 00 01 06
+        > 601#23 05 10 00 80 00 00 20
+        < 581#80 05 10 00 30 00 09 06
+        > 601#23 14 10 00 81 00 00 20
+        < 581#80 14 10 00 30 00 09 06
+        > 601#23 00 18 01 81 01 00 60
+        < 581#80 00 18 01 30 00 09 06
+    "#]],
+    );
+}
+
+/// AP04 AP-PDO-06 to AP-PDO-08, AP-PDO-10, AP-PDO-11: types, a PDO that is switched off, the identifier
+/// of SYNC, targets that come too early or too short; the mapping is fixed.
+#[test]
+fn parameters_of_process_data() {
+    let mut script = Script::new("ap04");
+    for transmission_type in ["00", "F1", "FC", "FE", "FD", "F0"] {
+        script.ask(&[&format!("23 01 18 02 {transmission_type} 00 00 00")]);
+    }
+    script.ask(&["23 00 1A 01 20 00 04 60", "23 00 16 00 00 00 00 00", "23 05 10 00 A0 00 00 00"]);
+    script.send("201#01 00 00 00 01").send("000#01 00").send("080#").send("0A0#");
+    script.send("201#02 00 00 00").ask(&["40 16 5F 00 00 00 00 00"]);
+    script.send("301#03 00 00 00 01").ask(&["40 16 5F 00 00 00 00 00"]);
+    script.send("000#80 00").ask(&["23 01 18 01 81 02 00 80"]).send("000#01 00").send("0A0#");
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 01 18 02 00 00 00 00
+        < 581#80 01 18 02 30 00 09 06
+        > 601#23 01 18 02 F1 00 00 00
+        < 581#80 01 18 02 30 00 09 06
+        > 601#23 01 18 02 FC 00 00 00
+        < 581#80 01 18 02 30 00 09 06
+        > 601#23 01 18 02 FE 00 00 00
+        < 581#80 01 18 02 30 00 09 06
+        > 601#23 01 18 02 FD 00 00 00
+        < 581#60 01 18 02 00 00 00 00
+        > 601#23 01 18 02 F0 00 00 00
+        < 581#60 01 18 02 00 00 00 00
+        > 601#23 00 1A 01 20 00 04 60
+        < 581#80 00 1A 01 02 00 01 06
+        > 601#23 00 16 00 00 00 00 00
+        < 581#80 00 16 00 02 00 01 06
+        > 601#23 05 10 00 A0 00 00 00
+        < 581#60 05 10 00 00 00 00 00
+        > 201#01 00 00 00 01
+        > 000#01 00
+        > 080#
+        > 0A0#
+        < 281#00 00 00 00 00
+        > 201#02 00 00 00
+        > 601#40 16 5F 00 00 00 00 00
+        < 581#42 16 5F 00 00 00 00 00
+        > 301#03 00 00 00 01
+        > 601#40 16 5F 00 00 00 00 00
+        < 581#42 16 5F 00 03 00 00 00
+        > 000#80 00
+        > 601#23 01 18 01 81 02 00 80
+        < 581#60 01 18 01 00 00 00 00
+        > 000#01 00
+        > 0A0#
+    "#]],
+    );
+}
+
+/// AP04 AP-EMCY-07, AP-ERR-01: nine errors, of which the last eight are kept, while bit 31 of 0x1014
+/// keeps the messages back.
+#[test]
+fn the_last_eight_errors() {
+    let mut script = Script::new("ap04");
+    script.ask(&["23 14 10 00 81 00 00 80", "23 03 60 00 FF FF 4F 00"]);
+    for _ in 0..9 {
+        script.steps(-2).steps(0);
+    }
+    script.ask(&["40 03 10 00 00 00 00 00", "40 03 10 08 00 00 00 00", "23 03 10 00 01 00 00 00"]);
+    script.ask(&["23 03 10 00 00 00 00 00", "40 03 10 00 00 00 00 00", "40 03 10 01 00 00 00 00"]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 14 10 00 81 00 00 80
+        < 581#60 14 10 00 00 00 00 00
+        > 601#23 03 60 00 FF FF 4F 00
+        < 581#60 03 60 00 00 00 00 00
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        -2 steps
+        0 steps
+        > 601#40 03 10 00 00 00 00 00
+        < 581#42 03 10 00 08 00 00 00
+        > 601#40 03 10 08 00 00 00 00
+        < 581#42 03 10 08 20 73 01 01
+        > 601#23 03 10 00 01 00 00 00
+        < 581#80 03 10 00 30 00 09 06
+        > 601#23 03 10 00 00 00 00 00
+        < 581#60 03 10 00 00 00 00 00
+        > 601#40 03 10 00 00 00 00 00
+        < 581#42 03 10 00 00 00 00 00
+        > 601#40 03 10 01 00 00 00 00
+        < 581#80 03 10 01 24 00 00 08
+    "#]],
+    );
+}

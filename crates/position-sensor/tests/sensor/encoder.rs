@@ -349,3 +349,239 @@ fn a_lost_heartbeat_is_in_the_error_field() {
     "#]],
     );
 }
+
+/// Encoder EN-NMT-01 to EN-NMT-03, EN-HB-01, EN-GEN-01, EN-PDO-10: commands to this node and to all, the
+/// state in the heartbeat, the position in Operational alone and not on remote frames.
+#[test]
+fn states_and_heartbeat() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["2B 17 10 00 0A 00 00 00", "2F 00 18 02 01 00 00 00"]).run_ms(10);
+    script.send("000#01 02").run_ms(10).send("080#").send("000#01 01").run_ms(10);
+    script.send("080#").ask_remote(0x181).ask(&["40 04 60 00 00 00 00 00"]);
+    script.send("000#02 00").run_ms(10).send("080#").ask(&["40 04 60 00 00 00 00 00"]);
+    script.send("000#80 01").run_ms(10).send("080#").ask(&["40 04 60 00 00 00 00 00"]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#2B 17 10 00 0A 00 00 00
+        < 581#60 17 10 00 00 00 00 00
+        < 701#7F
+        > 601#2F 00 18 02 01 00 00 00
+        < 581#60 00 18 02 00 00 00 00
+        10 ms
+        < 701#7F
+        > 000#01 02
+        10 ms
+        < 701#7F
+        > 080#
+        > 000#01 01
+        10 ms
+        < 701#05
+        > 080#
+        < 181#00 00 00 00
+        > 181 remote
+        > 601#40 04 60 00 00 00 00 00
+        < 581#43 04 60 00 00 00 00 00
+        > 000#02 00
+        10 ms
+        < 701#04
+        > 080#
+        > 601#40 04 60 00 00 00 00 00
+        > 000#80 01
+        10 ms
+        < 701#7F
+        > 080#
+        > 601#40 04 60 00 00 00 00 00
+        < 581#43 04 60 00 00 00 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-PDO-04, EN-PDO-10: a time of 0 sends nothing by timer; SYNC has the identifier of 0x1005.
+#[test]
+fn the_timer_is_off_and_sync_has_another_identifier() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["2B 00 18 05 00 00 00 00", "2F 00 28 00 03 00 00 00"]);
+    script.ask(&["2F 01 18 02 01 00 00 00", "23 05 10 00 A0 00 00 00"]);
+    script.send("000#01 00").run_ms(1_000).send("080#").send("0A0#");
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#2B 00 18 05 00 00 00 00
+        < 581#60 00 18 05 00 00 00 00
+        > 601#2F 00 28 00 03 00 00 00
+        < 581#60 00 28 00 00 00 00 00
+        > 601#2F 01 18 02 01 00 00 00
+        < 581#60 01 18 02 00 00 00 00
+        > 601#23 05 10 00 A0 00 00 00
+        < 581#60 05 10 00 00 00 00 00
+        > 000#01 00
+        1000 ms
+        > 080#
+        > 0A0#
+        < 281#00 00 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-HB-02, EN-ERR-01: the master stays away nine times; the last eight errors are kept.
+#[test]
+fn a_monitored_node_stays_away() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["2F 29 10 01 00 00 00 00", "23 16 10 01 64 00 05 00"]).send("000#01 00");
+    for _ in 0..9 {
+        script.send("705#05").run_ms(100);
+    }
+    script.ask(&["40 03 10 00 00 00 00 00", "40 03 10 08 00 00 00 00"]);
+    script.ask(&["2F 03 10 00 00 00 00 00", "40 03 10 01 00 00 00 00"]).send("080#");
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#2F 29 10 01 00 00 00 00
+        < 581#60 29 10 01 00 00 00 00
+        > 601#23 16 10 01 64 00 05 00
+        < 581#60 16 10 01 00 00 00 00
+        > 000#01 00
+        > 705#05
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 705#05
+        < 081#00 00 00 00 00 00 00 00
+        100 ms
+        < 081#30 81 11 00 00 00 00 00
+        > 601#40 03 10 00 00 00 00 00
+        < 581#4F 03 10 00 08 00 00 00
+        > 601#40 03 10 08 00 00 00 00
+        < 581#43 03 10 08 30 81 00 00
+        > 601#2F 03 10 00 00 00 00 00
+        < 581#60 03 10 00 00 00 00 00
+        > 601#40 03 10 01 00 00 00 00
+        < 581#80 03 10 01 24 00 00 08
+        > 080#
+    "#]],
+    );
+}
+
+/// Encoder EN-LSS-09, EN-LSS-10: who lies within the range answers; others, and a range that is not asked
+/// in order, are not answered.
+#[test]
+fn devices_within_a_range() {
+    let mut script = Script::new("gxmm");
+    script.send("000#02 00");
+    let range = |script: &mut Script, from: &str, to: &str| {
+        script.send("7E5#46 EC 00 00 00 00 00 00").send("7E5#47 0A 00 00 00 00 00 00");
+        script.send("7E5#48 01 00 09 01 00 00 00").send("7E5#49 01 00 09 01 00 00 00");
+        script.send(&format!("7E5#4A {from} 00 00 00 00 00 00"));
+        script.send(&format!("7E5#4B {to} 00 00 00 00 00 00"));
+    };
+    range(&mut script, "01", "07");
+    range(&mut script, "08", "FF");
+    script.send("7E5#4B 07 00 00 00 00 00 00");
+    check(
+        &mut script,
+        expect![[r#"
+        > 000#02 00
+        > 7E5#46 EC 00 00 00 00 00 00
+        > 7E5#47 0A 00 00 00 00 00 00
+        > 7E5#48 01 00 09 01 00 00 00
+        > 7E5#49 01 00 09 01 00 00 00
+        > 7E5#4A 01 00 00 00 00 00 00
+        > 7E5#4B 07 00 00 00 00 00 00
+        < 7E4#4F 00 00 00 00 00 00 00
+        > 7E5#46 EC 00 00 00 00 00 00
+        > 7E5#47 0A 00 00 00 00 00 00
+        > 7E5#48 01 00 09 01 00 00 00
+        > 7E5#49 01 00 09 01 00 00 00
+        > 7E5#4A 08 00 00 00 00 00 00
+        > 7E5#4B FF 00 00 00 00 00 00
+        > 7E5#4B 07 00 00 00 00 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-CUST-01: eight numbers that outlive the supply when they were saved.
+#[test]
+fn numbers_of_the_customer() {
+    let mut script = Script::new("gxmm");
+    for sub in 1..=8 {
+        script.ask(&[&format!("2B 00 23 0{sub} 0{sub} 11 00 00")]);
+    }
+    script.ask(&["23 10 10 01 73 61 76 65", "2B 00 23 01 00 00 00 00"]).power_cycle();
+    script.transcript();
+    for sub in 1..=8 {
+        script.ask(&[&format!("40 00 23 0{sub} 00 00 00 00")]);
+    }
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#40 00 23 01 00 00 00 00
+        < 581#4B 00 23 01 01 11 00 00
+        > 601#40 00 23 02 00 00 00 00
+        < 581#4B 00 23 02 02 11 00 00
+        > 601#40 00 23 03 00 00 00 00
+        < 581#4B 00 23 03 03 11 00 00
+        > 601#40 00 23 04 00 00 00 00
+        < 581#4B 00 23 04 04 11 00 00
+        > 601#40 00 23 05 00 00 00 00
+        < 581#4B 00 23 05 05 11 00 00
+        > 601#40 00 23 06 00 00 00 00
+        < 581#4B 00 23 06 06 11 00 00
+        > 601#40 00 23 07 00 00 00 00
+        < 581#4B 00 23 07 07 11 00 00
+        > 601#40 00 23 08 00 00 00 00
+        < 581#4B 00 23 08 08 11 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-SDO-01, B-13: requests may be as short as their data.
+#[test]
+fn short_requests() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["40 00 28 00", "2F 00 28 00 03", "2B 17 10 00 10 27", "22 00 28 00 04"]);
+    script.ask(&["23 05 10 00 A0 00", "40 00 28"]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#40 00 28 00
+        < 581#4F 00 28 00 00 00 00 00
+        > 601#2F 00 28 00 03
+        < 581#60 00 28 00 00 00 00 00
+        > 601#2B 17 10 00 10 27
+        < 581#60 17 10 00 00 00 00 00
+        < 701#7F
+        > 601#22 00 28 00 04
+        < 581#60 00 28 00 00 00 00 00
+        > 601#23 05 10 00 A0 00
+        > 601#40 00 28
+    "#]],
+    );
+}

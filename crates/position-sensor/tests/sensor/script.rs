@@ -44,13 +44,24 @@ impl Script {
             .map(|byte| u8::from_str_radix(byte, 16).expect("hexadecimal"))
             .collect();
         let _ = writeln!(self.transcript, "> {text}");
-        self.sensor.handle_frame(self.now, &Frame::new(id, &bytes).expect("at most 8 bytes"));
+        self.receive(&Frame::new(id, &bytes).expect("at most 8 bytes"));
+        self
+    }
+
+    /// A remote frame from the master.
+    pub(crate) fn ask_remote(&mut self, id: u16) -> &mut Self {
+        let _ = writeln!(self.transcript, "> {id:03X} remote");
+        self.receive(&Frame::new_remote(CanId::new(id).expect("an id"), 0).expect("no bytes"));
+        self
+    }
+
+    fn receive(&mut self, frame: &Frame) {
+        self.sensor.handle_frame(self.now, frame);
         self.settle();
         if self.sensor.poll_timeout().is_some_and(|due_at| due_at <= self.now) {
             self.sensor.handle_timeout(self.now);
             self.settle();
         }
-        self
     }
 
     /// SDO requests to node 1.
