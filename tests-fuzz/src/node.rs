@@ -22,6 +22,7 @@ const ERROR_CONTROL: u16 = 0x700;
 const LSS_RESPONSE: u16 = 0x7E4;
 const LSS_REQUEST: u16 = 0x7E5;
 
+const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
 const TIME: ObjectId = ObjectId { index: 0x1012, sub: 0 };
 const GUARD_TIME: ObjectId = ObjectId { index: 0x100C, sub: 0 };
 const LIFE_TIME_FACTOR: ObjectId = ObjectId { index: 0x100D, sub: 0 };
@@ -209,6 +210,9 @@ struct Watch<const LEN: usize> {
     heartbeat: Cycle,
     sync: Cycle,
     partners: Partners,
+    /// What the product said about its errors.
+    errors: u8,
+    bus_state: BusState,
     /// What a guarding request has to be answered with.
     guarding_answer: Option<u8>,
     /// The time that the network told since it was last looked at.
@@ -262,6 +266,8 @@ impl<const LEN: usize> Watch<LEN> {
             heartbeat: Cycle { period: None, since: Instant::ZERO },
             sync: Cycle { period: None, since: Instant::ZERO },
             partners: Partners::new(),
+            errors: 0,
+            bus_state: BusState::Active,
             guarding_answer: None,
             told: None,
         };
@@ -275,6 +281,7 @@ impl<const LEN: usize> Watch<LEN> {
         self.booted = false;
         self.storage = Storage::Idle;
         self.partners = Partners::new();
+        (self.errors, self.bus_state) = (0, BusState::Active);
         self.own.clear();
         for &(slot, raw) in &self.kept {
             self.node.set_value(self.now, slot, raw);
@@ -419,7 +426,7 @@ impl<const LEN: usize> Watch<LEN> {
         let entry = u32::from(index) << 16 | u32::from(sub) << 8 | bits;
         let any = bytes.u32()?;
         let raw = row.data_type().widen(bytes.pick(&[small, small % 10, entry, entry, any])?);
-        let is_kept = !is_text(row.data_type()) && row.permits(raw) && !is_cob_id(row.id());
+        let is_kept = !is_text(row.data_type()) && row.permits(raw) && may_be_kept(row.id());
         Some(if is_kept { Step::Keep { slot, raw } } else { Step::Advance { us: 1 } })
     }
 
@@ -489,8 +496,14 @@ impl<const LEN: usize> Watch<LEN> {
                 }
             }
             Step::Emergency { code } => self.node.send_emergency(code, [0; 5]),
-            Step::Errors { register } => self.node.set_error_register(self.now, register),
-            Step::Supervise(state) => self.node.handle_bus(self.now, state),
+            Step::Errors { register } => {
+                self.errors = register;
+                self.node.set_error_register(self.now, register);
+            }
+            Step::Supervise(state) => {
+                self.node.handle_bus(self.now, state);
+                assert_eq!(self.node.bus_state(), state);
+            }
             Step::Overrun => self.node.handle_overrun(),
             Step::Trigger { number } => self.node.trigger_tpdo(self.now, number),
             Step::Advance { us } => self.advance(Duration::from_micros(us)),
@@ -735,7 +748,10 @@ impl<const LEN: usize> Watch<LEN> {
                 }
                 Event::GuardingRecovered => self.partners.recover_master(),
                 Event::Time(time) => self.told = Some(time),
-                Event::BusStateChanged { .. } => {}
+                Event::BusStateChanged { from, to } => {
+                    assert_eq!(from, self.bus_state);
+                    self.bus_state = to;
+                }
                 Event::PdoOverdue { .. } => assert_eq!(self.state, State::Operational),
                 Event::FiltersChanged => {}
                 Event::Store { .. } | Event::Restore { .. } => self.begin_storage(),
@@ -752,6 +768,7 @@ impl<const LEN: usize> Watch<LEN> {
             assert_eq!(next, (None, None), "the node is silent");
         } else {
             self.partners.check(self.now);
+            self.check_error_register();
         }
         self.check_values();
         self.check_cycles();
@@ -873,6 +890,15 @@ impl<const LEN: usize> Watch<LEN> {
         data
     }
 
+    /// It has the errors of the product, and bits of its own as long as the communication has one.
+    fn check_error_register(&self) {
+        const COMMUNICATION: u8 = 1 << 4 | 1;
+        let is_impaired = matches!(self.bus_state, BusState::Passive | BusState::Off);
+        let Some(is_lonely) = self.partners.is_one_lost() else { return };
+        let own = if is_impaired || is_lonely { COMMUNICATION } else { 0 };
+        assert_eq!(self.value(ERROR_REGISTER), Some(u32::from(self.errors | own)));
+    }
+
     /// No heartbeat and no SYNC is late.
     fn check_cycles(&mut self) {
         let value = |index| self.value(ObjectId { index, sub: 0 }).unwrap_or(0);
@@ -959,12 +985,12 @@ fn valid(cob_id: u32) -> Option<u16> {
     (cob_id & 1 << 31 == 0).then_some((cob_id & 0x7FF) as u16)
 }
 
-/// Identifiers that were kept have been checked when a master wrote them.
-const fn is_cob_id(object: ObjectId) -> bool {
+/// Errors are not, and identifiers that are have been checked when a master wrote them.
+const fn may_be_kept(object: ObjectId) -> bool {
     match object.index {
-        0x1005 | 0x1012 | 0x1014 => true,
-        0x1400..=0x15FF | 0x1800..=0x19FF => object.sub == 1,
-        _ => false,
+        0x1001 | 0x1003 | 0x1005 | 0x1012 | 0x1014 => false,
+        0x1400..=0x15FF | 0x1800..=0x19FF => object.sub != 1,
+        _ => true,
     }
 }
 

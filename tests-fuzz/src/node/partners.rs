@@ -1,7 +1,7 @@
 //! Who a node exchanges signs of life with, as a plain reading of CiA 301 has it: the master that
 //! guards it (section 7.2.8.2.2) and the producers it monitors (section 7.2.8.2.2.1).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use units::{Duration, Instant};
 
@@ -17,7 +17,8 @@ pub(super) struct Partners {
     life: Life,
     /// When a producer that was heard counts as lost.
     expiries: BTreeMap<u8, Expiry>,
-    lost: BTreeSet<u8>,
+    /// Whether a producer that was lost certainly is: a master that changes its entry forgets it.
+    lost: BTreeMap<u8, bool>,
 }
 
 /// Life guarding.
@@ -41,7 +42,7 @@ struct Expiry {
 impl Partners {
     /// Those of a node that has just booted.
     pub(super) const fn new() -> Self {
-        Self { toggle: 0, life: Life::Off, expiries: BTreeMap::new(), lost: BTreeSet::new() }
+        Self { toggle: 0, life: Life::Off, expiries: BTreeMap::new(), lost: BTreeMap::new() }
     }
 
     /// A guarding request: what answers it where the heartbeat would be `state`.
@@ -65,8 +66,11 @@ impl Partners {
 
     /// A master may have written to any object.
     pub(super) fn doubt(&mut self) {
-        self.life = Life::Open;
+        if self.life != Life::Off {
+            self.life = Life::Open;
+        }
         self.expiries.values_mut().for_each(|expiry| expiry.is_certain = false);
+        self.lost.values_mut().for_each(|is_certain| *is_certain = false);
     }
 
     pub(super) fn lose_master(&mut self, now: Instant) {
@@ -86,11 +90,19 @@ impl Partners {
     pub(super) fn lose(&mut self, now: Instant, producer: u8) {
         let expiry = self.expiries.remove(&producer);
         assert!(expiry.is_some_and(|expiry| expiry.at <= now), "{producer} lost, heard in time");
-        self.lost.insert(producer);
+        self.lost.insert(producer, true);
     }
 
     pub(super) fn recover(&mut self, producer: u8) {
-        assert!(self.lost.remove(&producer), "{producer} recovered, never lost");
+        assert!(self.lost.remove(&producer).is_some(), "{producer} recovered, never lost");
+    }
+
+    /// Whether the master or a producer is lost. `None` when a master may have changed that.
+    pub(super) fn is_one_lost(&self) -> Option<bool> {
+        if self.life == Life::Lost || self.lost.values().any(|&is_certain| is_certain) {
+            return Some(true);
+        }
+        (self.life != Life::Open && self.lost.is_empty()).then_some(false)
     }
 
     /// Nobody stays away longer than permitted.
