@@ -79,7 +79,7 @@ enum Phase {
     Upload { left: Vec<u8>, toggle: u8 },
     Download { got: Vec<u8>, toggle: u8 },
     BlockUpload { left: Vec<u8>, crc: Option<u16>, block: u8, stage: Stage },
-    BlockDownload { got: Vec<u8>, checked: bool, number: u8, complete: bool },
+    BlockDownload { got: Vec<u8>, checked: bool, number: u8, asked: u8, complete: bool },
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -300,8 +300,10 @@ impl Model {
             0xC0..=0xDF if blocks && command & 1 == 0 => {
                 self.downloadable(object, (command & 2 != 0).then_some(size))?;
                 let (got, checked) = (Vec::new(), command & 4 != 0);
-                let phase = Phase::BlockDownload { got, checked, number: 0, complete: false };
-                Ok((Answer::frame(&[0xA4, low, high, sub, 127], &[]), Some(phase)))
+                let asked = self.entries[self.writable(object)?].kind.len() / 7 + 1;
+                let phase =
+                    Phase::BlockDownload { got, checked, number: 0, asked, complete: false };
+                Ok((Answer::frame(&[0xA4, low, high, sub, asked], &[]), Some(phase)))
             }
             _ => Err(No::Abort(UNKNOWN_COMMAND)),
         }
@@ -342,7 +344,7 @@ impl Model {
             Phase::BlockUpload { left, crc, block, stage } => {
                 upload_block(command, data, left, crc, block, stage)
             }
-            Phase::BlockDownload { mut got, checked, number, complete: false } => {
+            Phase::BlockDownload { mut got, checked, number, asked, complete: false } => {
                 let (sent, is_last) = (command & 0x7F, command & 0x80 != 0);
                 let in_order = sent == number + 1;
                 if in_order {
@@ -353,11 +355,12 @@ impl Model {
                 }
                 let number = if in_order { sent } else { number };
                 let complete = is_last && in_order;
-                if is_last || sent == 127 {
-                    let phase = Phase::BlockDownload { got, checked, number: 0, complete };
-                    return Ok((Answer::frame(&[0xA2, number, 127], &[]), Some(phase)));
+                if is_last || sent == asked {
+                    let asked = asked.saturating_sub(number).max(1);
+                    let phase = Phase::BlockDownload { got, checked, number: 0, asked, complete };
+                    return Ok((Answer::frame(&[0xA2, number, asked], &[]), Some(phase)));
                 }
-                let phase = Phase::BlockDownload { got, checked, number, complete };
+                let phase = Phase::BlockDownload { got, checked, number, asked, complete };
                 Ok((Answer::NONE, Some(phase)))
             }
             Phase::BlockDownload { got, checked, complete: true, .. }

@@ -6,7 +6,7 @@ use super::transfer::{Step, Transfer, going_on};
 use crate::application::Application;
 use crate::settings::ProductSettings;
 
-/// Most segments in a block (CiA 301, section 7.2.4.3.9), and what the server asks for.
+/// Most segments in a block (CiA 301, section 7.2.4.3.9).
 const BLOCK_LEN_MAX: u8 = 127;
 
 /// Answers to the initiate requests, to a block and to the end of a download, and the end of an
@@ -85,7 +85,8 @@ impl Server {
         Ok(())
     }
 
-    /// A request of a download, other than a segment.
+    /// A request of a download, other than a segment. The server asks for no more segments than the value
+    /// has: what a client with a longer one sent behind the abort would be taken for requests.
     pub(super) fn block_download<A: Application, S: ProductSettings, const LEN: usize>(
         &mut self,
         request: Message,
@@ -96,7 +97,8 @@ impl Server {
             let transfer =
                 self.accept(request, command & HAS_SIZE != 0, Step::BlockDownload, objects)?;
             transfer.command = command;
-            self.answer = Some(request.answer(DOWNLOAD_ANSWER, BLOCK_LEN_MAX.into()));
+            transfer.block_len = transfer.entry.len / 7 + 1;
+            self.answer = Some(request.answer(DOWNLOAD_ANSWER, transfer.block_len.into()));
             return Ok(());
         }
         let transfer = going_on(&mut self.transfer, Step::BlockDownloaded)?;
@@ -132,9 +134,10 @@ impl Server {
                 transfer.step = Step::BlockDownloaded;
             }
         }
-        if is_last || number == BLOCK_LEN_MAX {
+        if is_last || number == transfer.block_len {
             let number = core::mem::take(&mut transfer.segments);
-            let taken = u16::from_le_bytes([number, BLOCK_LEN_MAX]);
+            transfer.block_len = transfer.block_len.saturating_sub(number).max(1);
+            let taken = u16::from_le_bytes([number, transfer.block_len]);
             self.answer = Some(Message::short(DOWNLOAD_BLOCK_ANSWER, taken));
         }
         Ok(())

@@ -19,7 +19,7 @@ pub(super) struct Transfer {
     pub(super) segments: u8,
     /// Bytes before the present block, which the client has.
     pub(super) acknowledged: usize,
-    /// Segments that the client takes in a block.
+    /// Segments of a block: those that the client takes, or those that it is asked for.
     pub(super) block_len: u8,
     /// The command that began it.
     pub(super) command: u8,

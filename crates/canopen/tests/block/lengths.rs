@@ -197,13 +197,13 @@ fn every_length_is_written_and_read_in_blocks() {
     for len in 1..=LEN_MAX {
         let mut server = Server::new();
         let begin = [0xC6, 0, 0x20, len, len, 0, 0, 0];
-        assert_eq!(server.answer(begin), [0xA4, 0, 0x20, len, 127, 0, 0, 0]);
         let frames = segments(&value(len));
+        assert_eq!(server.answer(begin), [0xA4, 0, 0x20, len, len / 7 + 1, 0, 0, 0]);
         let (last, before) = frames.split_last().unwrap();
         for frame in before {
             assert_eq!(server.ask(*frame), [[0; 8]; 0]);
         }
-        assert_eq!(server.answer(*last), [0xA2, frames.len() as u8, 127, 0, 0, 0, 0, 0]);
+        assert_eq!(server.answer(*last), [0xA2, frames.len() as u8, 1, 0, 0, 0, 0, 0]);
         assert_eq!(server.answer(end(&value(len))), [0xA1, 0, 0, 0, 0, 0, 0, 0]);
         assert_eq!(server.text(len), value(len));
         assert_eq!(read_in_blocks(&mut server, len, 127), value(len));
