@@ -93,9 +93,11 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         }
     }
 
-    /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2).
+    /// Heartbeats go before guarding (CiA 301, section 7.2.8.2.2). A node that is not up has no
+    /// identifier to be guarded by.
     fn handle_guarding(&mut self) {
-        if !self.guarded.is_served() || self.heartbeat.is_on() {
+        let is_up = self.state != State::Initialising;
+        if !is_up || !self.guarded.is_served() || self.heartbeat.is_on() {
             return;
         }
         let recovered = self.guarded.handle(self.now.into());

@@ -1,3 +1,4 @@
+use canopen::{Node, NodeId, Settings};
 use expect_test::{Expect, expect};
 
 use crate::cia_301;
@@ -46,6 +47,18 @@ fn every_request_is_answered_with_the_state_and_a_toggle_bit() {
             0090 < 705 [1] 00
         "#]],
     );
+}
+
+/// CiA 305: a device without a node-ID is not guarded, also by the one it had. This one shares its low
+/// bits with the identifier of layer setting services, which it listens to.
+#[test]
+fn nobody_guards_a_device_without_a_node_id() {
+    let node_id = NodeId::new(0x65).expect("101 is a node-ID");
+    let node = Node::<{ cia_301::LEN }>::new(&cia_301::DICTIONARY, node_id, &Settings::CIA_301);
+    expect![[r#"
+        0010 < 765 [1] remote
+    "#]]
+    .assert_eq(&transcript(node, &mut (), "0 wait\n10 remote 765 1"));
 }
 
 /// Conformance cases 7.5 and 7.6; encoder EN-NG-02, decision B-30: life guarding starts with the
