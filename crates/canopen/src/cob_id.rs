@@ -83,6 +83,11 @@ impl CobId {
         if self.0 & Self::INVALID == 0 { Some(self.can_id()) } else { None }
     }
 
+    /// Whether what exists with both would change its identifier.
+    pub(crate) fn moves(self, before: Self) -> bool {
+        self.valid().is_some() && before.valid().is_some() && self.can_id() != before.can_id()
+    }
+
     /// Whether remote frames may ask for the PDO: bit 30 is not set.
     pub(crate) const fn allows_remote(self) -> bool {
         self.0 & Self::NO_REMOTE == 0

@@ -54,7 +54,8 @@ pub struct PdoRules {
     pub sync_division: SyncDivision,
     /// Which transmit PDOs answer remote frames, if bit 30 of their COB-ID allows it.
     pub remote_requests: RemoteRequests,
-    /// When clients may change identifier, inhibit time and SYNC start value.
+    /// When clients may change identifier, inhibit time and SYNC start value; the identifier of
+    /// emergency messages, too.
     pub changes: PdoChanges,
 }
 

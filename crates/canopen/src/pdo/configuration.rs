@@ -31,8 +31,7 @@ pub(crate) fn check<const LEN: usize>(
     let (is_known, is_fixed) = match (sub, Direction::of(index)) {
         (1, _) => {
             let cob_id = CobId::from_raw(raw);
-            let moves = cob_id.can_id() != present().can_id();
-            (takes(settings.identifiers, cob_id), moves && cob_id.valid().is_some())
+            (takes(settings.identifiers, cob_id), cob_id.moves(present()))
         }
         (2, Direction::Receive) => (Reception::new(raw) != Reception::Never, false),
         (2, Direction::Transmit) => (Transmission::is_known(raw), false),

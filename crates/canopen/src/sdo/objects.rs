@@ -10,9 +10,9 @@ use crate::cob_id::CobId;
 use crate::emcy;
 use crate::heartbeat;
 use crate::nmt::State;
-use crate::parameter::parameter;
+use crate::parameter::{number, parameter};
 use crate::pdo;
-use crate::settings::{Expedited, Identifiers, ProductSettings, Settings};
+use crate::settings::{Expedited, Identifiers, PdoChanges, ProductSettings, Settings};
 use crate::sync;
 use crate::time;
 
@@ -285,7 +285,12 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
             (sync::COB_ID | emcy::COB_ID, 0) if self.settings().identifiers == Identifiers::Any => {
                 return Ok(());
             }
-            (emcy::COB_ID, 0) => CobId::from_raw(raw).suits_emergency(),
+            (emcy::COB_ID, 0) => {
+                let before = CobId::from_raw(number(self.values, emcy::COB_ID, 0));
+                let after = CobId::from_raw(raw);
+                let may_move = self.settings().pdo.changes == PdoChanges::AnyTime;
+                after.suits_emergency() && (may_move || !after.moves(before))
+            }
             (heartbeat::CONSUMER_TIME, _) if heartbeat::is_doubled(object, raw, self.values) => {
                 return Err(AbortCode::INCOMPATIBLE);
             }

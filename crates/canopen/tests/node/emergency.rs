@@ -2,6 +2,7 @@ use canopen::Settings;
 use expect_test::expect;
 
 use crate::check;
+use crate::cia_301;
 use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 
@@ -103,6 +104,32 @@ fn the_error_field_keeps_the_newest_and_can_be_cleared() {
             0013 > 5FF [8] 80 03 10 02 24 00 00 08
         "#]],
     );
+}
+
+/// CiA 301, section 7.5.2.17: it stays what it is while there are emergency messages, unless the product
+/// lets it change at any time.
+#[test]
+fn the_identifier_is_moved_while_it_is_off() {
+    let script = "
+        0 boot
+        1 < 605 23 14 10 00 86 00 00 00
+        2 < 605 23 14 10 00 85 00 00 00
+        3 < 605 23 14 10 00 86 00 00 80
+        4 < 605 23 14 10 00 86 00 00 00
+        ";
+    expect![[r#"
+        0000 * Initialising to PreOperational
+        0000 > 705 [1] 00
+        0001 < 605 [8] 23 14 10 00 86 00 00 00
+        0001 > 585 [8] 80 14 10 00 30 00 09 06
+        0002 < 605 [8] 23 14 10 00 85 00 00 00
+        0002 > 585 [8] 60 14 10 00 00 00 00 00
+        0003 < 605 [8] 23 14 10 00 86 00 00 80
+        0003 > 585 [8] 60 14 10 00 00 00 00 00
+        0004 < 605 [8] 23 14 10 00 86 00 00 00
+        0004 > 585 [8] 60 14 10 00 00 00 00 00
+    "#]]
+    .assert_eq(&transcript(cia_301::node(), &mut (), script));
 }
 
 /// CiA 301, section 7.5.2.17: the identifier can be moved and switched off; errors are recorded all
