@@ -152,7 +152,7 @@ mod tests {
 
     use std::vec::Vec;
 
-    use object_dictionary::{Access, Default, ObjectId, PdoMapping, Row};
+    use object_dictionary::{Access, Default, ObjectId, Owner, PdoMapping, Row};
 
     use super::*;
 
@@ -167,6 +167,24 @@ mod tests {
         match row.default() {
             Default::Number(number) => Some(number),
             Default::NodeIdPlus(_) | Default::Text(_) => None,
+        }
+    }
+
+    /// NM17x GEN-07: one controller holds what belongs to the bus, the other what is measured, shown
+    /// and driven.
+    #[test]
+    fn an_index_decides_who_holds_an_object() {
+        const LAYER_SETTINGS: [u16; 2] = [0x2100, 0x2101];
+        const PDO_CONTENTS: [u16; 2] = [0x2500, 0x2501];
+        for product in [&nm170::PRODUCT, &nm172::PRODUCT, &nm174::PRODUCT] {
+            for row in product.dictionary.rows() {
+                let ObjectId { index, sub } = row.id();
+                let of_the_bus = index < 0x2000
+                    || LAYER_SETTINGS.contains(&index)
+                    || PDO_CONTENTS.contains(&index) && sub > 0;
+                let owner = if of_the_bus { Owner::Interface } else { Owner::Application };
+                assert_eq!(row.owner(), owner, "{}: {:?}", product.slug, row.id());
+            }
         }
     }
 
