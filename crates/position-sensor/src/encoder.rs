@@ -2,8 +2,9 @@
 
 use canopen::lss::{self, BitRate, Selected, Unconfigured};
 use canopen::{
-    AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, ErrorBehaviour, Expedited,
-    Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings, Trigger,
+    AbortCode, AbortCodes, AdditionalInformation, BusOff, BusRules, CanId, ErrorBehaviour,
+    Expedited, Frame, Identifiers, PdoChanges, PdoRules, ReceiveErrors, RemoteRequests, Settings,
+    Trigger,
 };
 use object_dictionary::{ObjectId, Values};
 use profiles::OBJECTS_MAX;
@@ -13,7 +14,7 @@ use profiles::encoder::gxmm::{
 };
 use profiles::encoder::{
     BIT_RATE, CYCLE_TIMER, MODULE_SERIAL_NUMBER, OFFSET, OPERATING_PARAMETERS, OPERATING_STATUS,
-    OPTIONS, SERIAL_NUMBER, TPDO1_EVENT_TIMER,
+    OPTIONS, SERIAL_NUMBER, SYNC_COB_ID, TPDO1_EVENT_TIMER,
 };
 
 use crate::family::{Present, View};
@@ -72,8 +73,12 @@ const SCALING: u16 = 1 << 2;
 // Bits of OPTIONS (EN-OPT-01).
 const INVERTED: u32 = 1 << 1;
 const SCALING_LOCKED: u32 = 1 << 2;
+const BUS_OFF_ENDS: u32 = 1 << 3;
+const READ_WITH_SYNC: u32 = 1 << 6;
+const READ_WITH_SYNC_ALONE: u32 = 1 << 7;
 const TPDO1_DELAYED: u32 = 1 << 8;
 const OFFSET_KEPT: u32 = 1 << 9;
+const RESET_KEEPS_RUNNING: u32 = 1 << 10;
 const OPTIONS_KNOWN: u32 = 0x7EE;
 
 /// What TPDO1_DELAYED adds to the period (B-20).
@@ -88,6 +93,29 @@ pub(crate) fn bit_rate(values: &Values<OBJECTS_MAX>) -> u32 {
 /// The number of a bit rate in [`BIT_RATE`] (EN-LSS-05).
 pub(crate) const fn number_of(bit_rate: BitRate) -> u8 {
     8_u8.saturating_sub(bit_rate.index())
+}
+
+/// Whether bus-off ends by itself (EN-ERR-03).
+pub(crate) fn recovers_from_bus_off(values: &Values<OBJECTS_MAX>) -> bool {
+    values.get(&OPTIONS) & BUS_OFF_ENDS != 0
+}
+
+/// Whether the frame is a SYNC that the shaft is read for (EN-PDO-11).
+pub(crate) fn reads_for(values: &Values<OBJECTS_MAX>, frame: &Frame) -> bool {
+    values.get(&OPTIONS) & READ_WITH_SYNC != 0
+        && frame.id() == CanId::from_low_bits(values.get(&SYNC_COB_ID))
+        && !frame.is_remote()
+}
+
+/// Whether it is read for other reasons, too (EN-PDO-11, B-46).
+pub(crate) fn reads_cyclically(values: &Values<OBJECTS_MAX>) -> bool {
+    const ALONE: u32 = READ_WITH_SYNC | READ_WITH_SYNC_ALONE;
+    values.get(&OPTIONS) & ALONE != ALONE
+}
+
+/// Whether Reset Node restarts the device and not its communication alone (EN-NMT-04, B-24).
+pub(crate) fn restarts_on_reset_node(values: &Values<OBJECTS_MAX>) -> bool {
+    values.get(&OPTIONS) & RESET_KEEPS_RUNNING == 0
 }
 
 /// Whether the units that were set are used (B-45).

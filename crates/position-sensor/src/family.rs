@@ -1,6 +1,6 @@
 //! What the families of products do differently.
 
-use canopen::{Node, WriteError, Written};
+use canopen::{Frame, Node, WriteError, Written};
 use object_dictionary::{Number, Object, ObjectId, Values};
 use profiles::OBJECTS_MAX;
 use units::Instant;
@@ -74,6 +74,38 @@ impl Family {
         match self {
             Self::Ap04 => ap04::BIT_RATE,
             Self::Encoder => encoder::bit_rate(values),
+        }
+    }
+
+    /// Whether the CAN controller comes back from bus-off by itself.
+    pub(crate) fn recovers_from_bus_off(self, values: &Values<OBJECTS_MAX>) -> bool {
+        match self {
+            Self::Ap04 => true,
+            Self::Encoder => encoder::recovers_from_bus_off(values),
+        }
+    }
+
+    /// Whether the shaft is read again for this frame.
+    pub(crate) fn reads_for(self, values: &Values<OBJECTS_MAX>, frame: &Frame) -> bool {
+        match self {
+            Self::Ap04 => false,
+            Self::Encoder => encoder::reads_for(values, frame),
+        }
+    }
+
+    /// Whether it is read all the time.
+    pub(crate) fn reads_cyclically(self, values: &Values<OBJECTS_MAX>) -> bool {
+        match self {
+            Self::Ap04 => true,
+            Self::Encoder => encoder::reads_cyclically(values),
+        }
+    }
+
+    /// Whether Reset Node restarts more than the communication.
+    pub(crate) fn restarts_on_reset_node(self, values: &Values<OBJECTS_MAX>) -> bool {
+        match self {
+            Self::Ap04 => true,
+            Self::Encoder => encoder::restarts_on_reset_node(values),
         }
     }
 

@@ -93,14 +93,15 @@ enum Storing {
 ///
 /// Contract: after every call that takes `now` drain [`Self::peek_transmit`] and
 /// [`Self::poll_event`], then call [`Self::handle_timeout`] no later than [`Self::poll_timeout`].
+/// Read the shaft as [`Self::reads_cyclically`] and [`Self::reads_for`] say.
 #[derive(Debug)]
 pub struct Sensor {
     model: &'static Model,
     serial_number: u32,
     node: Node<OBJECTS_MAX>,
     bit_rate: u32,
-    /// Where the shaft stands.
-    steps: i64,
+    /// Where the shaft stands, once it has been read.
+    steps: Option<i64>,
     /// What the memory is at.
     storing: Option<Storing>,
     /// A change of the bit rate on the way.
@@ -124,7 +125,7 @@ impl Sensor {
             serial_number,
             bit_rate: model.family.bit_rate(node.values()),
             node,
-            steps: 0,
+            steps: None,
             storing: None,
             bit_timing: None,
             events: Deque::new(),
@@ -168,6 +169,26 @@ impl Sensor {
         self.bit_rate
     }
 
+    /// Whether the CAN controller is to come back from bus-off by itself (ISO 11898-1: after 128
+    /// times 11 recessive bits). Else it stays away until the next start (encoder EN-ERR-03).
+    #[must_use]
+    pub fn recovers_from_bus_off(&self) -> bool {
+        self.model.family.recovers_from_bus_off(self.node.values())
+    }
+
+    /// Whether the shaft is to be read before this frame is handled, and told with
+    /// [`Self::handle_steps`] (encoder EN-PDO-11).
+    #[must_use]
+    pub fn reads_for(&self, frame: &Frame) -> bool {
+        self.model.family.reads_for(self.node.values(), frame)
+    }
+
+    /// Whether the shaft is to be read again and again: always so until it has been read.
+    #[must_use]
+    pub fn reads_cyclically(&self) -> bool {
+        self.steps.is_none() || self.model.family.reads_cyclically(self.node.values())
+    }
+
     /// The frames to let through; all others are none of this device's.
     pub fn accepts(&self) -> impl Iterator<Item = Accepted> {
         self.node.accepts()
@@ -195,7 +216,8 @@ impl Sensor {
         self.node.handle_frame(now, frame, &mut objects);
         if let Some(written) = objects.written {
             let mut view = View { now, node: &mut self.node };
-            let keeps = self.model.family.follow(&mut view, written, &present, self.steps);
+            let steps = self.steps.unwrap_or(0);
+            let keeps = self.model.family.follow(&mut view, written, &present, steps);
             self.derive(now);
             self.keep(keeps);
         }
@@ -211,8 +233,8 @@ impl Sensor {
     /// The shaft stands `steps` from where it stood when the device was made, right positive, in
     /// steps of [`Model::steps_per_turn`].
     pub fn handle_steps(&mut self, now: Instant, steps: i64) {
-        if self.steps != steps {
-            self.steps = steps;
+        if self.steps != Some(steps) {
+            self.steps = Some(steps);
             self.derive(now);
             self.node.handle_timeout(now, &mut ());
             self.settle(now);
@@ -279,7 +301,8 @@ impl Sensor {
     }
 
     fn derive(&mut self, now: Instant) {
-        self.model.family.derive(&mut View { now, node: &mut self.node }, self.steps);
+        let steps = self.steps.unwrap_or(0);
+        self.model.family.derive(&mut View { now, node: &mut self.node }, steps);
     }
 
     fn restore(&mut self, now: Instant, group: Group) {
@@ -305,7 +328,10 @@ impl Sensor {
         while let Some(event) = self.node.poll_event() {
             match event {
                 canopen::Event::StateChanged { from: State::Stopped, .. } => self.leave_lss(now),
-                canopen::Event::ResetNode => self.event(Event::Restart),
+                canopen::Event::ResetNode => {
+                    let restarts = self.model.family.restarts_on_reset_node(self.node.values());
+                    self.event(if restarts { Event::Restart } else { Event::RestartCommunication });
+                }
                 canopen::Event::ResetCommunication => self.event(Event::RestartCommunication),
                 canopen::Event::Store { sub } => {
                     self.storing = Some(Storing::Parameters);

@@ -37,6 +37,8 @@ pub(crate) struct CanPort {
     accepted: Vec<Accepted>,
     mode: Mode,
     counters: ErrorCounters,
+    /// Whether bus-off ends.
+    recovers: bool,
     mailboxes: [Option<Mailbox>; MAILBOXES],
     sending: Option<usize>,
     outcomes: VecDeque<Outcome>,
@@ -72,6 +74,7 @@ impl CanPort {
                 BitTime::from_rate(0),
             )),
             counters: ErrorCounters::NONE,
+            recovers: true,
             mailboxes: [None; MAILBOXES],
             sending: None,
             outcomes: VecDeque::new(),
@@ -95,10 +98,16 @@ impl CanPort {
                 bit_rate: Some(bit_rate),
                 accepted: std::mem::take(&mut self.accepted),
                 mode: Mode::Joining(RecessiveWait::new(RecessiveWait::TO_JOIN, now, bit)),
+                recovers: self.recovers,
                 frames_taken: self.frames_taken,
                 ..Self::new()
             };
         }
+    }
+
+    /// Whether it comes back from bus-off by itself, from now on.
+    pub(crate) fn set_recovery(&mut self, recovers: bool) {
+        self.recovers = recovers;
     }
 
     fn bit(&self) -> BitTime {
@@ -136,27 +145,27 @@ impl CanPort {
 
     /// When there is something to notice.
     pub(crate) fn next_event(&self) -> Option<Nanos> {
-        let change = match self.mode {
+        self.outcomes.front().map(|outcome| outcome.at).into_iter().chain(self.joins_at()).min()
+    }
+
+    /// When it takes part again.
+    fn joins_at(&self) -> Option<Nanos> {
+        match self.mode {
+            Mode::BusOff(_) if !self.recovers => None,
             Mode::Joining(wait) | Mode::BusOff(wait) => Some(wait.over_at()),
             Mode::Normal { .. } => None,
-        };
-        self.outcomes.front().map(|outcome| outcome.at).into_iter().chain(change).min()
+        }
     }
 
     /// The next thing to notice up to `now`.
     pub(crate) fn poll(&mut self, now: Nanos) -> Option<Notice> {
         self.next_event().filter(|at| *at <= now)?;
-        match self.mode {
-            Mode::Joining(wait) if wait.over_at() <= now => {
-                self.mode = Mode::Normal { since: wait.over_at() };
-                return Some(Notice::Other);
-            }
-            Mode::BusOff(wait) if wait.over_at() <= now => {
-                self.mode = Mode::Normal { since: wait.over_at() };
+        if let Some(since) = self.joins_at().filter(|at| *at <= now) {
+            if matches!(self.mode, Mode::BusOff(_)) {
                 self.counters = ErrorCounters::NONE;
-                return Some(Notice::Other);
             }
-            Mode::Joining(_) | Mode::BusOff(_) | Mode::Normal { .. } => {}
+            self.mode = Mode::Normal { since };
+            return Some(Notice::Other);
         }
         let outcome = self.outcomes.pop_front()?;
         self.counters = outcome.counters;

@@ -145,7 +145,12 @@ impl Core {
         let mut kept = Kept::Yes;
         while let Some(notice) = self.port.poll(Nanos(now_ns)) {
             match notice {
-                Notice::Received(frame) => self.sensor.handle_frame(now, &frame),
+                Notice::Received(frame) => {
+                    if self.sensor.reads_for(&frame) {
+                        self.read(now_ns, model, world, board);
+                    }
+                    self.sensor.handle_frame(now, &frame);
+                }
                 Notice::Returned(frame) => self.sensor.give_back(frame),
                 Notice::Other => {}
             }
@@ -154,8 +159,9 @@ impl Core {
         }
         if self.read_at_ns <= now_ns {
             self.read_at_ns = now_ns + READ_EVERY_NS;
-            let steps = world.spindle.position(now_ns) * i64::from(model.steps_per_turn());
-            self.sensor.handle_steps(now, steps.div_euclid(STEPS_PER_TURN.into()));
+            if self.sensor.reads_cyclically() {
+                self.read(now_ns, model, world, board);
+            }
             // Getting better is no interrupt.
             self.look_at_bus(now);
         }
@@ -163,6 +169,11 @@ impl Core {
             self.sensor.handle_timeout(now);
         }
         kept.and(self.drain(now_ns, board))
+    }
+
+    fn read(&mut self, now_ns: u64, model: &Model, world: &Surroundings, board: &Board) {
+        let steps = world.spindle.position(now_ns) * i64::from(model.steps_per_turn());
+        self.sensor.handle_steps(board.time(now_ns), steps.div_euclid(STEPS_PER_TURN.into()));
     }
 
     fn look_at_bus(&mut self, now: Instant) {
@@ -176,6 +187,7 @@ impl Core {
     /// Hands on what the core brought about.
     fn drain(&mut self, now_ns: u64, board: &mut Board) -> Kept {
         let mut stored = Kept::Yes;
+        self.port.set_recovery(self.sensor.recovers_from_bus_off());
         while let Some(event) = self.sensor.poll_event() {
             match event {
                 Event::Keep(Record { key, value }) => {

@@ -142,3 +142,56 @@ fn an_encoder_measures_and_saves() {
     );
     let _ = std::fs::remove_dir_all(state);
 }
+
+/// Encoder EN-OPT-01, EN-PDO-11: with SYNC alone the shaft is read.
+#[test]
+fn an_encoder_samples_with_sync() {
+    let mut scene = Scene::booted("gxmm", &TWIN);
+    scene.node_id(1).sdo("23 10 21 00 C8 00 00 00").sdo("2F 00 18 02 01 00 00 00");
+    scene.send("000#01 00").tell("shaft", json!({ "steps": TURN })).run_ms(50);
+    scene.sdo("40 04 60 00 00 00 00 00").send("080#").run_ms(5).note_frames();
+    check(
+        &scene,
+        expect![[r#"
+        1005   ms  23 10 21 00 C8 00 00 00 -> 60 10 21 00 00 00 00 00
+        1010   ms  2F 00 18 02 01 00 00 00 -> 60 00 18 02 00 00 00 00
+        1065   ms  40 04 60 00 00 00 00 00 -> 43 04 60 00 00 00 00 00
+        1070   ms  181#00 20 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-OPT-01, EN-ERR-03, B-33: after bus-off it is back on the bus, or not before it starts
+/// again; until then nobody acknowledges what the master sends.
+#[test]
+fn an_encoder_leaves_the_bus() {
+    const READ: &str = "601#40 00 10 00 00 00 00 00";
+    let mut scene = Scene::booted("gxmm", &TWIN);
+    scene.node_id(1).sdo("2B 17 10 00 0A 00 00 00");
+    for options in ["08", "00"] {
+        scene.sdo(&format!("23 10 21 00 {options} 00 00 00")).note("all frames fail");
+        scene.tell("can_fault", json!({ "error_rate": 1.0 })).run_ms(1_000).frames();
+        scene.tell("can_fault", json!({ "error_rate": 0.0 })).run_ms(1_000).frames();
+        scene.note("none does").run_ms(11).note_frames().send(READ).run_ms(9).note_frames();
+    }
+    scene.note("supply").tell("power", json!({ "on": false })).run_ms(100);
+    scene.tell("power", json!({ "on": true })).run_ms(1_000).note_frames();
+    check(
+        &scene,
+        expect![[r#"
+        1005   ms  2B 17 10 00 0A 00 00 00 -> 60 17 10 00 00 00 00 00
+        1011   ms  23 10 21 00 08 00 00 00 -> 60 10 21 00 00 00 00 00
+        1011   ms  all frames fail
+        3011   ms  none does
+        3022   ms  701#7F
+        3031   ms  581#43 00 10 00 96 01 02 00
+        3031   ms  701#7F
+        3036   ms  23 10 21 00 00 00 00 00 -> 60 10 21 00 00 00 00 00
+        3036   ms  all frames fail
+        5036   ms  none does
+        5056   ms  supply
+        6156   ms  701#00
+        6156   ms  581#43 00 10 00 96 01 02 00
+    "#]],
+    );
+}

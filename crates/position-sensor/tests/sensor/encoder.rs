@@ -173,6 +173,121 @@ fn process_data() {
     );
 }
 
+/// Encoder EN-OPT-01, EN-PDO-11, B-46: with SYNC goes what was read before, or what is read for it; then
+/// the sensor may be read for nothing else.
+#[test]
+fn the_position_is_sampled() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["2F 00 18 02 01 00 00 00"]).send("000#01 00");
+    script.turn(5).send("080#").read().send("080#");
+    script.ask(&["23 10 21 00 48 00 00 00"]).turn(6).send("080#");
+    script.ask(&["23 10 21 00 C8 00 00 00"]).steps(7).ask(&["40 04 60 00 00 00 00 00"]);
+    script.send("080#");
+    script.ask(&["23 10 21 00 88 00 00 00"]).steps(8).ask(&["40 04 60 00 00 00 00 00"]);
+    script.turn(9).send("080#");
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#2F 00 18 02 01 00 00 00
+        < 581#60 00 18 02 00 00 00 00
+        > 000#01 00
+        5 steps
+        > 080#
+        < 181#00 00 00 00
+        > 080#
+        < 181#05 00 00 00
+        < 281#05 00 00 00
+        > 601#23 10 21 00 48 00 00 00
+        < 581#60 10 21 00 00 00 00 00
+        6 steps
+        > 080#
+        < 181#06 00 00 00
+        > 601#23 10 21 00 C8 00 00 00
+        < 581#60 10 21 00 00 00 00 00
+        7 steps
+        > 601#40 04 60 00 00 00 00 00
+        < 581#43 04 60 00 06 00 00 00
+        > 080#
+        < 181#07 00 00 00
+        < 281#07 00 00 00
+        > 601#23 10 21 00 88 00 00 00
+        < 581#60 10 21 00 00 00 00 00
+        8 steps
+        > 601#40 04 60 00 00 00 00 00
+        < 581#43 04 60 00 08 00 00 00
+        9 steps
+        > 080#
+        < 181#08 00 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-OPT-01, EN-PDO-11: a sensor that is read with SYNC alone is read once at the start.
+#[test]
+fn a_start_samples_the_position() {
+    let mut script = Script::new("gxmm");
+    script.ask(&["23 10 21 00 C8 00 00 00", "23 10 10 01 73 61 76 65"]).turn(3).power_cycle();
+    script.read().turn(4).read().ask(&["40 04 60 00 00 00 00 00"]);
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 10 21 00 C8 00 00 00
+        < 581#60 10 21 00 00 00 00 00
+        > 601#23 10 10 01 73 61 76 65
+        < 581#60 10 10 01 00 00 00 00
+        3 steps
+        supply
+        < 701#00
+        4 steps
+        > 601#40 04 60 00 00 00 00 00
+        < 581#43 04 60 00 03 00 00 00
+    "#]],
+    );
+}
+
+/// Encoder EN-OPT-01, EN-NMT-04, B-24: Reset Node restarts the device, or its communication alone.
+#[test]
+fn reset_node_restarts_what_the_options_say() {
+    let mut script = Script::new("gxmm");
+    for options in ["08 04", "08 00"] {
+        script.ask(&[&format!("23 10 21 00 {options} 00 00")]);
+        script.ask(&["2B 00 23 01 34 12 00 00", "2B 17 10 00 0A 00 00 00"]);
+        script.send("000#81 00");
+        script.ask(&["40 00 23 01 00 00 00 00", "40 17 10 00 00 00 00 00"]);
+    }
+    check(
+        &mut script,
+        expect![[r#"
+        > 601#23 10 21 00 08 04 00 00
+        < 581#60 10 21 00 00 00 00 00
+        > 601#2B 00 23 01 34 12 00 00
+        < 581#60 00 23 01 00 00 00 00
+        > 601#2B 17 10 00 0A 00 00 00
+        < 581#60 17 10 00 00 00 00 00
+        < 701#7F
+        > 000#81 00
+        < 701#00
+        > 601#40 00 23 01 00 00 00 00
+        < 581#4B 00 23 01 34 12 00 00
+        > 601#40 17 10 00 00 00 00 00
+        < 581#4B 17 10 00 00 00 00 00
+        > 601#23 10 21 00 08 00 00 00
+        < 581#60 10 21 00 00 00 00 00
+        > 601#2B 00 23 01 34 12 00 00
+        < 581#60 00 23 01 00 00 00 00
+        > 601#2B 17 10 00 0A 00 00 00
+        < 581#60 17 10 00 00 00 00 00
+        < 701#7F
+        > 000#81 00
+        < 701#00
+        > 601#40 00 23 01 00 00 00 00
+        < 581#4B 00 23 01 00 00 00 00
+        > 601#40 17 10 00 00 00 00 00
+        < 581#4B 17 10 00 00 00 00 00
+    "#]],
+    );
+}
+
 /// Encoder EN-STO-01, EN-STO-02, EN-CFG-01, EN-NMT-05, B-24, B-56, B-65: saved on command, in groups;
 /// node-ID and bit rate are in force after the next start; a restart of the communication takes
 /// back only its own parameters.

@@ -14,6 +14,7 @@ pub(crate) struct Script {
     memory: BTreeMap<u32, u32>,
     memory_fails: Option<WriteError>,
     now: Instant,
+    shaft_steps: i64,
     transcript: String,
 }
 
@@ -29,7 +30,9 @@ impl Script {
         let now = Instant::ZERO;
         let sensor = Sensor::new(now, model, 7, kept(&memory));
         let transcript = String::new();
-        let mut script = Self { model, sensor, memory, memory_fails: None, now, transcript };
+        let memory_fails = None;
+        let mut script =
+            Self { model, sensor, memory, memory_fails, now, shaft_steps: 0, transcript };
         script.settle();
         script.transcript.clear();
         script
@@ -56,6 +59,9 @@ impl Script {
     }
 
     fn receive(&mut self, frame: &Frame) {
+        if self.sensor.reads_for(frame) {
+            self.sensor.handle_steps(self.now, self.shaft_steps);
+        }
         self.sensor.handle_frame(self.now, frame);
         self.settle();
         if self.sensor.poll_timeout().is_some_and(|due_at| due_at <= self.now) {
@@ -74,9 +80,22 @@ impl Script {
 
     /// The shaft is turned to `steps` from where it was at the start.
     pub(crate) fn steps(&mut self, steps: i64) -> &mut Self {
+        self.turn(steps).read()
+    }
+
+    /// As [`Self::steps`], and the device has not read its sensor since.
+    pub(crate) fn turn(&mut self, steps: i64) -> &mut Self {
         let _ = writeln!(self.transcript, "{steps} steps");
-        self.sensor.handle_steps(self.now, steps);
-        self.settle();
+        self.shaft_steps = steps;
+        self
+    }
+
+    /// It is time to read the sensor.
+    pub(crate) fn read(&mut self) -> &mut Self {
+        if self.sensor.reads_cyclically() {
+            self.sensor.handle_steps(self.now, self.shaft_steps);
+            self.settle();
+        }
         self
     }
 
