@@ -77,6 +77,18 @@ def restart(node):
     boot_up.next()
 
 
+def walk_states(node):
+    """Gives every command that enters a state, and sees the state in the heartbeats."""
+    node.sdo[0x1017].raw = 20
+    for state in ["OPERATIONAL", "STOPPED", "PRE-OPERATIONAL", "OPERATIONAL"]:
+        node.nmt.state = state
+        beats = Messages()
+        node.nmt.add_heartbeat_callback(beats)
+        beats.next()
+        beats.next()
+        assert node.nmt.state == state
+
+
 class Messages:
     """A callback that keeps what it is called with."""
 

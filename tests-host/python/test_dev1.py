@@ -136,14 +136,7 @@ def test_process_data(network, node):
 
 def test_node_states_and_heartbeat(node):
     """Every command, and the state in the heartbeat."""
-    node.sdo[0x1017].raw = 20
-    for state in ["OPERATIONAL", "STOPPED", "PRE-OPERATIONAL", "OPERATIONAL"]:
-        node.nmt.state = state
-        beats = conftest.Messages()
-        node.nmt.add_heartbeat_callback(beats)
-        beats.next()
-        beats.next()
-        assert node.nmt.state == state
+    conftest.walk_states(node)
 
 
 def test_emergencies(network, node):

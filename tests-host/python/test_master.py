@@ -31,14 +31,7 @@ def test_scanner(network, node):
 
 def test_node_states_and_heartbeat(device):
     """NM17x NMT-01, NMT-02, HB-01: every command, and the state in the heartbeat."""
-    device.sdo["Producer heartbeat time"].raw = 20
-    for state in ["OPERATIONAL", "STOPPED", "PRE-OPERATIONAL", "OPERATIONAL"]:
-        device.nmt.state = state
-        beats = conftest.Messages()
-        device.nmt.add_heartbeat_callback(beats)
-        beats.next()
-        beats.next()
-        assert device.nmt.state == state
+    conftest.walk_states(device)
     boot_up = conftest.BootUp(device.network, NODE_ID)
     device.nmt.state = "RESET COMMUNICATION"
     boot_up.next()
