@@ -41,7 +41,8 @@ cargo xtask VERB
   flash PRODUCT --stm PROBE --msp PROBE
                            build the images and write them to two boards
 
-Products: nm172. The bench also has dev1, the device that stacks are judged by.";
+Products with images: nm172. The bench also has dev1, the device that stacks are judged by, and with
+--engine twin all products (docs/bench.md).";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
