@@ -73,20 +73,44 @@ struct Count {
     instructions: u64,
 }
 
-/// Counts Spindle on the emulated Cortex-M4.
+/// Fails when Spindle takes more instructions, flash or RAM than it may; its image is built.
+pub(crate) fn check() -> Result<(), Failure> {
+    check_footprint()?;
+    perf()
+}
+
+/// Counts Spindle on the emulated Cortex-M4, and fails when an operation takes more than it may.
 pub(crate) fn perf() -> Result<(), Failure> {
     tools::require(&[Tool::ThumbTarget, Tool::Qemu])?;
     build_for_cortex_m4(&["--bin", SPINDLE.counted, "--features", "image"])?;
-    println!("| instructions on a Cortex-M4 | Spindle | at most | |");
-    println!("|---|---:|---:|---|");
-    for (Count { operation, instructions }, row) in on_cortex_m4(&SPINDLE)?.iter().zip(ROWS) {
-        let verdict = if *instructions > row.bar { "over" } else { "" };
-        println!("| {operation} | {instructions} | {} | {verdict} |", row.bar);
+    let counts = on_cortex_m4(&SPINDLE)?;
+    println!("| instructions on a Cortex-M4 | Spindle | at most |");
+    println!("|---|---:|---:|");
+    for (Count { operation, instructions }, row) in counts.iter().zip(ROWS) {
+        println!("| {operation} | {instructions} | {} |", row.bar);
+    }
+    check_counts(&counts)
+}
+
+fn check_counts(counts: &[Count]) -> Result<(), Failure> {
+    let mut judged = counts.iter().zip(ROWS);
+    judged.try_for_each(|(count, row)| check_bar(&count.operation, count.instructions, row.bar))
+}
+
+fn check_footprint() -> Result<(), Failure> {
+    let (flash, ram) = size::flash_and_ram(&footprint_program(SPINDLE.linked))?;
+    check_bar("flash of DEV1", flash, FOOTPRINT_BAR.0)?;
+    check_bar("RAM of DEV1", ram, FOOTPRINT_BAR.1)
+}
+
+fn check_bar(what: &str, taken: u64, at_most: u64) -> Result<(), Failure> {
+    if taken > at_most {
+        return Err(Failure::Step(format!("{what}: {taken}, which is more than {at_most}")));
     }
     Ok(())
 }
 
-/// Counts all stacks on both machines.
+/// Counts all stacks on both machines, and fails as [`perf`] does.
 pub(crate) fn perf_with_peers() -> Result<(), Failure> {
     tools::require(&[Tool::ThumbTarget, Tool::Qemu, Tool::Valgrind])?;
     build_for_cortex_m4(&["--bins", "--features", "image,peers"])?;
@@ -114,7 +138,7 @@ pub(crate) fn perf_with_peers() -> Result<(), Failure> {
         None,
     );
     println!("\nCANopenNode was measured once and is printed as it was.");
-    Ok(())
+    check_counts(&spindle)
 }
 
 /// Builds the smallest program that is DEV1 and puts it beside the images of the products.
@@ -127,7 +151,7 @@ pub(crate) fn build_image() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Flash and RAM of the smallest programs.
+/// Flash and RAM of the smallest programs. Fails when Spindle's takes more than it may.
 pub(crate) fn footprint() -> Result<(), Failure> {
     build_footprint(&["--bins"])?;
     println!("| DEV1 on | flash (text + data) | RAM (data + bss) |");
@@ -140,7 +164,7 @@ pub(crate) fn footprint() -> Result<(), Failure> {
         println!("| {name} | {flash} | {ram} |");
     }
     println!("| at most | {} | {} |", FOOTPRINT_BAR.0, FOOTPRINT_BAR.1);
-    Ok(())
+    check_footprint()
 }
 
 fn build_footprint(programs: &[&str]) -> Result<(), Failure> {

@@ -18,6 +18,7 @@ pub(crate) fn test() -> Result<(), Failure> {
         images::build(product)?;
     }
     stack::build_image()?;
+    stack::check()?;
     panics::check()?;
     let bench = up::build_bench()?;
     run::step(
