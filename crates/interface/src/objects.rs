@@ -146,10 +146,11 @@ pub(crate) fn kind(id: ObjectId) -> Kind {
 
 impl Application for Objects {
     fn read(&mut self, slot: Slot, row: &Row) -> Result<(), ReadError> {
-        let known = if self.slots.is_live(slot) {
-            self.link.in_service()
-        } else {
-            row.owner() == Owner::Interface || self.values_known
+        let known = match row.owner() {
+            Owner::Interface if self.slots.status_register == Some(slot) => self.link.in_service(),
+            Owner::Interface => true,
+            Owner::Application if self.slots.is_live(slot) => self.link.in_service(),
+            Owner::Application => self.values_known,
         };
         if known { Ok(()) } else { Err(ReadError::NoData) }
     }

@@ -39,12 +39,10 @@ impl Slots {
         }
     }
 
-    /// Whether process data carry the object: it is known only as long as they arrive.
+    /// Whether process data carry the object of the application: it is known only as long as they
+    /// arrive.
     pub(crate) fn is_live(&self, slot: Slot) -> bool {
         let slot = Some(slot);
-        slot == self.position
-            || slot == self.status
-            || slot == self.errors
-            || slot == self.status_register
+        slot == self.position || slot == self.status || slot == self.errors
     }
 }

@@ -144,9 +144,14 @@ pub(super) fn receive(fifo: Fifo) -> Option<Received> {
     release.set_rfom(true);
     state.write_value(release);
     let id = CanId::from_low_bits(u32::from(head.stid()));
-    let data = Frame::prefix(id, [a, b, c, d, e, f, g, h], len);
     Some(Received::Frame(match head.rtr() {
-        Rtr::DATA => data,
-        Rtr::REMOTE => Frame::new_remote(id, len.min(DLC_MAX)).unwrap_or(data),
+        Rtr::DATA => Frame::prefix(id, [a, b, c, d, e, f, g, h], len),
+        Rtr::REMOTE => remote_frame(id, len),
     }))
+}
+
+/// Rare, and kept out of the way of data frames.
+#[cold]
+fn remote_frame(id: CanId, len: u8) -> Frame {
+    Frame::new_remote(id, len.min(DLC_MAX)).unwrap_or(Frame::full(id, [0; 8]))
 }

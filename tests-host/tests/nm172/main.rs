@@ -42,9 +42,9 @@ fn the_supply_fails_while_a_parameter_is_written() {
 }
 
 /// The controller reports a frame four bits before the bus is free: at 1 Mbit/s a transmission that
-/// is requested within 640 cycles leaves no gap. Only a text, and parameters that are compared with
-/// others before they are taken, leave one of a bit at most. Nothing keeps the controller from a frame
-/// for longer than 50 µs, of the 141 µs in which a FIFO may fill.
+/// is requested within 640 cycles leaves no gap. Only a monitored node, which is compared with the
+/// others, leaves one of a bit at most. Nothing keeps the controller from a frame for longer than 50 µs,
+/// of the 141 µs in which a FIFO may fill.
 #[test]
 fn answers_leave_without_a_gap() {
     let mut scene = booted_at_1_mbit_s();
@@ -60,9 +60,9 @@ fn answers_leave_without_a_gap() {
         ("2F 01 18 02 NN 00 00 00", NO_GAP),
         ("2B 01 18 03 NN 01 00 00", NO_GAP),
         ("2B 01 18 05 NN 01 00 00", NO_GAP),
-        ("40 08 10 00 00 00 00 00", ONE_BIT),
+        ("23 01 18 01 NN 02 00 80", NO_GAP),
+        ("40 08 10 00 00 00 00 00", NO_GAP),
         ("23 16 10 01 NN 00 04 00", ONE_BIT),
-        ("23 01 18 01 NN 02 00 80", ONE_BIT),
     ] {
         let cycles = reaction(&mut scene, |scene, number| {
             scene.request(&request.replace("NN", &format!("{number:02X}")));

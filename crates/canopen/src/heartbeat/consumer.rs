@@ -101,8 +101,11 @@ pub(crate) fn is_doubled<const LEN: usize>(
 ) -> bool {
     let Some((producer, _)) = monitored(raw) else { return false };
     for sub in 1..u8::MAX {
+        if sub == object.sub {
+            continue;
+        }
         let Some(other) = parameter(values, CONSUMER_TIME, sub) else { break };
-        if sub != object.sub && monitored(other).is_some_and(|(other, _)| other == producer) {
+        if monitored(other).is_some_and(|(other, _)| other == producer) {
             return true;
         }
     }

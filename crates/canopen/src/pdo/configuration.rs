@@ -28,19 +28,24 @@ pub(crate) fn check<const LEN: usize>(
             check_mapping(values, object, raw)
         };
     }
-    let (is_known, is_fixed) = match (sub, Direction::of(index)) {
-        (1, _) => {
-            let cob_id = CobId::from_raw(raw);
-            (takes(settings.identifiers, cob_id), cob_id.moves(present()))
-        }
-        (2, Direction::Receive) => (Reception::new(raw) != Reception::Never, false),
-        (2, Direction::Transmit) => (Transmission::is_known(raw), false),
-        (3, _) => (true, true),
-        (6, Direction::Transmit) => (raw <= 240, true),
-        _ => (true, false),
+    let direction = Direction::of(index);
+    let is_known = match (sub, direction) {
+        (1, _) => takes(settings.identifiers, CobId::from_raw(raw)),
+        (2, Direction::Receive) => Reception::new(raw) != Reception::Never,
+        (2, Direction::Transmit) => Transmission::is_known(raw),
+        (6, Direction::Transmit) => raw <= 240,
+        _ => true,
     };
-    let is_guarded = is_fixed && settings.pdo.changes == PdoChanges::WhileOff;
-    if is_known && !(is_guarded && is_on()) { Ok(()) } else { Err(AbortCode::VALUE_RANGE) }
+    let is_fixed = || match (sub, direction) {
+        (1, _) => CobId::from_raw(raw).moves(present()),
+        (3, _) | (6, Direction::Transmit) => is_on(),
+        _ => false,
+    };
+    if is_known && !(settings.pdo.changes == PdoChanges::WhileOff && is_fixed()) {
+        Ok(())
+    } else {
+        Err(AbortCode::VALUE_RANGE)
+    }
 }
 
 /// Whether a PDO may have this COB-ID.
