@@ -83,7 +83,7 @@ pub(crate) struct Sent {
 /// Where a device runs.
 enum Place {
     Bench(Bench),
-    /// DEV1, which is no product.
+    /// What is no product.
     Process(Box<Reference>),
 }
 
@@ -98,7 +98,9 @@ impl Master {
     /// In front of a device that has just come up.
     pub(crate) fn new(device: Device) -> Self {
         let place = match device.engine {
-            "process" => Place::Process(Box::new(Reference::new())),
+            "process" => {
+                Place::Process(Box::new(Reference::new(device.dictionary, device.node_id)))
+            }
             engine => Place::Bench(Bench::step(device.product, &["--engine", engine])),
         };
         let mut master = Self { place, device, sent: Vec::new() };
@@ -201,7 +203,7 @@ impl Master {
     /// Something that turns changes at the device.
     pub(crate) fn turn_shaft(&mut self) {
         match &mut self.place {
-            Place::Process(_) => panic!("DEV1 has no shaft"),
+            Place::Process(_) => panic!("it has no shaft"),
             Place::Bench(bench) => {
                 bench.tell("shaft", json!({ "steps": 4_096 }));
             }

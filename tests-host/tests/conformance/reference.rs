@@ -1,16 +1,18 @@
-//! DEV1 as a device of its own: the stack with a memory, on a bus that takes everything at once.
+//! Devices that are no products: the stack with a memory, on a bus that takes everything at once.
 
-use canopen::{CanId, Event, Frame, Node};
-use dev1::Device;
-use object_dictionary::{Access, Slot};
+use canopen::{CanId, Event, Frame, Node, NodeId};
+use object_dictionary::{Access, Dictionary, Slot};
+use profiles::OBJECTS_MAX;
 use units::{Duration, Instant};
 
 use crate::master::Sent;
 
 /// The device, its memory and the bus.
 pub(crate) struct Reference {
-    node: Node<{ dev1::LEN }, dev1::BuiltIn>,
-    device: Device,
+    dictionary: &'static Dictionary,
+    node_id: NodeId,
+    node: Node<OBJECTS_MAX>,
+    device: dev1::Device,
     now: Instant,
     memory: Vec<(Slot, u32)>,
     sent: Vec<Sent>,
@@ -18,10 +20,13 @@ pub(crate) struct Reference {
 
 impl Reference {
     /// With supply, at delivery.
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(dictionary: &'static Dictionary, node_id: u8) -> Self {
+        let node_id = NodeId::new(node_id).expect("a node-ID");
         let mut reference = Self {
-            node: dev1::node(dev1::NODE_ID),
-            device: Device::new(),
+            dictionary,
+            node_id,
+            node: Node::new(dictionary, node_id, &dev1::SETTINGS),
+            device: dev1::Device::new(),
             now: Instant::ZERO,
             memory: Vec::new(),
             sent: Vec::new(),
@@ -100,12 +105,12 @@ impl Reference {
 
     /// All numbers that masters may write.
     fn parameters(&self) -> Vec<(Slot, u32)> {
-        let written = dev1::DICTIONARY.slots().filter(|(_, row)| row.access() == Access::ReadWrite);
+        let written = self.dictionary.slots().filter(|(_, row)| row.access() == Access::ReadWrite);
         written.map(|(slot, _)| (slot, self.node.values().raw(slot))).collect()
     }
 
     fn restart(&mut self) {
-        self.node = dev1::node(dev1::NODE_ID);
+        self.node = Node::new(self.dictionary, self.node_id, &dev1::SETTINGS);
         for &(slot, raw) in &self.memory {
             self.node.set_value(self.now, slot, raw);
         }
