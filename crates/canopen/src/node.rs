@@ -643,7 +643,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
         self.wake_by(self.tpdos.due_at(now).or_earlier(self.rpdos.due_at(now), now));
     }
 
-    /// Looks for what is due next.
+    /// Looks for what is due next. What a master wrote stays due at once.
     fn schedule(&mut self) {
         let now = self.now.into();
         let deadline = self
@@ -656,7 +656,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
             .or_earlier(self.sync.due_at(now), now)
             .or_earlier(self.rpdos.due_at(now), now)
             .or_earlier(self.tpdos.due_at(now), now);
-        self.wake_at = NEVER;
+        self.wake_at = if self.configured.is_some() { self.now } else { NEVER };
         self.wake_by(deadline);
     }
 

@@ -1,7 +1,8 @@
-use canopen::Settings;
+use canopen::{BusState, CanId, Frame, Node, Settings};
 use expect_test::expect;
+use units::Instant;
 
-use crate::device::{DICTIONARY, Device, LEN, NODE_ID};
+use crate::device::{self, DICTIONARY, Device, LEN, NODE_ID};
 use crate::script::transcript;
 use crate::{check, vectors};
 
@@ -328,4 +329,28 @@ fn the_standard_has_other_abort_codes() {
         0007 > 5FF [8] 80 07 20 00 10 00 07 06
     "#]]
     .assert_eq(&transcript(node, &mut Device::new(), script));
+}
+
+/// What a master wrote is due at once, whatever the device says between the answer and that.
+#[test]
+fn nothing_the_device_says_delays_what_a_master_wrote() {
+    type Says = fn(&mut Node<LEN>);
+    let says: [(&str, Says); 7] = [
+        ("an emergency", |node| node.send_emergency(0x8310, [0; 5])),
+        ("no errors", |node| node.set_error_register(Instant::ZERO, 0)),
+        ("errors", |node| node.set_error_register(Instant::ZERO, 0x81)),
+        ("no bus", |node| node.handle_bus(Instant::ZERO, BusState::Off)),
+        ("lost frames", |node| node.handle_overrun()),
+        ("it is stored", |node| node.handle_stored(Ok(()))),
+        ("an event", |node| node.trigger_tpdo(Instant::ZERO, 0)),
+    ];
+    let heartbeat_time = [0x2B, 0x17, 0x10, 0x00, 0x64, 0x00, 0x00, 0x00];
+    let request = Frame::full(CanId::new(0x67F).unwrap(), heartbeat_time);
+    for (what, say) in says {
+        let mut node = device::node();
+        node.boot(Instant::ZERO);
+        node.handle_frame(Instant::ZERO, &request, &mut Device::new());
+        say(&mut node);
+        assert_eq!(node.poll_timeout(), Some(Instant::ZERO), "{what}");
+    }
 }
