@@ -204,6 +204,45 @@ fn messages_keep_their_distance() {
     );
 }
 
+/// CiA 301, section 7.5.2.18: of more messages than can wait the oldest are dropped; they stay in the
+/// error field.
+#[test]
+fn of_too_many_that_wait_the_newest_go_out() {
+    check(
+        "
+        0 boot
+        1 < 67F 2B 15 10 00 0A 00 00 00
+        2 emergency 8310 01
+        2 emergency 8310 02
+        2 emergency 8310 03
+        2 emergency 8310 04
+        2 emergency 8310 05
+        2 emergency 8310 06
+        2 emergency 8310 07
+        2 emergency 8310 08
+        2 emergency 8310 09
+        2 emergency 8310 0A
+        2 emergency 8310 0B
+        20 end
+        ",
+        expect![[r#"
+            0000 * Initialising to PreOperational
+            0000 > 77F [1] 00
+            0001 < 67F [8] 2B 15 10 00 0A 00 00 00
+            0001 > 5FF [8] 60 15 10 00 00 00 00 00
+            0002 > 0FF [8] 10 83 00 A1 A2 00 00 01
+            0003 > 0FF [8] 10 83 00 A1 A2 00 00 04
+            0004 > 0FF [8] 10 83 00 A1 A2 00 00 05
+            0005 > 0FF [8] 10 83 00 A1 A2 00 00 06
+            0006 > 0FF [8] 10 83 00 A1 A2 00 00 07
+            0007 > 0FF [8] 10 83 00 A1 A2 00 00 08
+            0008 > 0FF [8] 10 83 00 A1 A2 00 00 09
+            0009 > 0FF [8] 10 83 00 A1 A2 00 00 0A
+            0010 > 0FF [8] 10 83 00 A1 A2 00 00 0B
+        "#]],
+    );
+}
+
 /// CiA 301, section 7.5.2.4: the additional information of an entry are the first of the maker's
 /// bytes, and a number that is not 0 is no permitted one.
 #[test]
