@@ -10,6 +10,8 @@ NODE_ID = 0x10
 IDENTITY = [0x1234, 2, 3, 4]
 BLOCK = 0x2000
 BLOCK_LEN = 64
+# Of the table of CiA 305, section 6.4.
+BIT_TIMING_125_KBIT_S = 4
 NODE_ID_NONE = 0xFF
 SCAN_TIME_MAX_S = 1
 U8, U16, U32 = datatypes.UNSIGNED8, datatypes.UNSIGNED16, datatypes.UNSIGNED32
@@ -166,6 +168,9 @@ def test_layer_settings(network, node):
     lss.configure_node_id(other_id)
     with pytest.raises(canopen.lss.LssError):
         lss.store_configuration()
+    with pytest.raises(canopen.lss.LssError):
+        lss.configure_bit_timing(BIT_TIMING_125_KBIT_S)
+    lss.activate_bit_timing(0)
     lss.send_switch_state_global(lss.WAITING_STATE)
     boot_up.next()
     found = network.add_node(remote_node(other_id))

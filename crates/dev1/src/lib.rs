@@ -14,9 +14,11 @@ use object_dictionary::{Number, Object, PdoMapping, Row, Slot, Value};
 /// Its node-ID.
 pub const NODE_ID: NodeId = NodeId::new(0x10).expect("16 is a node-ID");
 
-/// As CiA 301 has it, with all that is optional.
-pub static SETTINGS: Settings =
-    Settings { lss: Some(&lss::Settings::CIA_305), ..Settings::CIA_301 };
+/// As CiA 301 has it, with all that is optional. Its one bit rate cannot be set.
+pub static SETTINGS: Settings = Settings {
+    lss: Some(&lss::Settings { bit_rates: &[], ..lss::Settings::CIA_305 }),
+    ..Settings::CIA_301
+};
 
 /// [`SETTINGS`], known to the compiler wherever they are used.
 #[derive(Clone, Copy, Debug)]
