@@ -15,6 +15,8 @@ const NO_OBJECT: u32 = 0x0602_0000;
 const NO_SUB_INDEX: u32 = 0x0609_0011;
 
 const PATIENCE: Duration = Duration::from_millis(1_000);
+/// While segments of a block go to the client.
+const PATIENCE_IN_BLOCKS: Duration = Duration::from_millis(5_000);
 
 /// An entry of the dictionary, as a data sheet has it.
 pub(super) struct Entry {
@@ -80,6 +82,18 @@ enum Phase {
     Download { got: Vec<u8>, toggle: u8 },
     BlockUpload { left: Vec<u8>, crc: Option<u16>, block: u8, stage: Stage },
     BlockDownload { got: Vec<u8>, checked: bool, number: u8, asked: u8, complete: bool },
+}
+
+impl Phase {
+    const fn patience(&self) -> Duration {
+        match self {
+            Self::BlockUpload { stage: Stage::Sent(_), .. } => PATIENCE_IN_BLOCKS,
+            Self::Upload { .. }
+            | Self::Download { .. }
+            | Self::BlockUpload { .. }
+            | Self::BlockDownload { .. } => PATIENCE,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -232,7 +246,7 @@ impl Model {
             Ok((answer, phase)) => {
                 let next = at.zip(phase);
                 self.transfer =
-                    next.map(|(at, phase)| Transfer { at, until: now + PATIENCE, phase });
+                    next.map(|(at, phase)| Transfer { at, until: now + phase.patience(), phase });
                 answer
             }
             Err(No::Abort(code)) => abort(object, code),

@@ -6,8 +6,9 @@ use crate::deadline::{Deadline, Moment, Span};
 /// A transfer whose client stays silent for this long is given up.
 const SEGMENT_TIMEOUT: Span = Span::from_millis(1_000);
 
-/// A client waits no longer than this for parameters to be stored or restored.
-const STORAGE_TIMEOUT: Span = Span::from_millis(5_000);
+/// A client waits no longer than this for parameters to be stored or restored, and for the segments of
+/// a block, which take half a second at 10 kbit/s where the bus is free.
+const LONG_TIMEOUT: Span = Span::from_millis(5_000);
 
 /// A request that is not answered yet, or whose value goes in several messages.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +62,15 @@ impl Transfer {
 
     /// The request that began or went on with the transfer was served at `now`.
     pub(super) fn wait(&mut self, now: Moment) {
-        let timeout = if self.step == Step::Storage { STORAGE_TIMEOUT } else { SEGMENT_TIMEOUT };
+        let timeout = match self.step {
+            Step::Storage | Step::BlockUpload => LONG_TIMEOUT,
+            Step::Upload
+            | Step::Download
+            | Step::BlockOffered
+            | Step::BlockUploaded
+            | Step::BlockDownload
+            | Step::BlockDownloaded => SEGMENT_TIMEOUT,
+        };
         self.expires_at = Deadline::after(now, timeout);
     }
 

@@ -1,5 +1,4 @@
 use proptest::prelude::*;
-use units::Duration;
 
 use crate::client::{begin, end, segments};
 use crate::{Server, abort};
@@ -105,7 +104,5 @@ fn an_abort_or_silence_ends_the_transfer() {
     assert_eq!(server.ask(abort(0x2007, 0x0800_0000)), [[0; 8]; 0]);
     assert_eq!(server.node.poll_timeout(), None);
     initiated(&mut server, 0x2007, 32);
-    server.now = server.now + Duration::from_millis(1_000);
-    server.node.handle_timeout(server.now, &mut server.texts);
-    assert_eq!(server.answers(), [abort(0x2007, 0x0504_0000)]);
+    assert_eq!(server.answers_in(1_000), [abort(0x2007, 0x0504_0000)]);
 }

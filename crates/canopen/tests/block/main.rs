@@ -13,7 +13,7 @@ mod upload;
 
 use canopen::{Application, BlockTransfer, CanId, Frame, Node, NodeId, Settings, WriteError};
 use object_dictionary::{Object, Row, Slot};
-use units::Instant;
+use units::{Duration, Instant};
 
 const HEARTBEAT: Object<u16> = Object::new(0x1017, 0, "Heartbeat time").read_write();
 const NAME: Object<[u8; 32]> = Object::new(0x2007, 0, "Name").read_write();
@@ -86,6 +86,13 @@ impl Server {
                 frame.data().try_into().unwrap()
             })
             .collect()
+    }
+
+    /// What it says in so many milliseconds without a request.
+    fn answers_in(&mut self, ms: u64) -> Vec<[u8; 8]> {
+        self.now = self.now + Duration::from_millis(ms);
+        self.node.handle_timeout(self.now, &mut self.texts);
+        self.answers()
     }
 
     /// The one answer to a request.

@@ -1,5 +1,4 @@
 use proptest::prelude::*;
-use units::Duration;
 
 use crate::client::upload;
 use crate::{Server, abort};
@@ -90,7 +89,8 @@ fn an_abort_or_silence_ends_the_transfer() {
     assert_eq!(server.node.poll_timeout(), None);
     let _ = server.ask([0xA4, 0x08, 0x20, 0, 2, 0, 0, 0]);
     assert_eq!(server.ask([0xA3, 0, 0, 0, 0, 0, 0, 0]).len(), 2);
-    server.now = server.now + Duration::from_millis(1_000);
-    server.node.handle_timeout(server.now, &mut server.texts);
-    assert_eq!(server.answers(), [abort(0x2008, 0x0504_0000)]);
+    assert_eq!(server.answers_in(4_999), [[0; 8]; 0]);
+    assert_eq!(server.answers_in(1), [abort(0x2008, 0x0504_0000)]);
+    let _ = server.ask([0xA4, 0x08, 0x20, 0, 127, 0, 0, 0]);
+    assert_eq!(server.answers_in(1_000), [abort(0x2008, 0x0504_0000)]);
 }
