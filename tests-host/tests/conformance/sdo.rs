@@ -1,11 +1,14 @@
 //! Cases 2.1 to 2.30: the SDO server.
 
+use std::ops::RangeInclusive;
+
 use object_dictionary::{Access, DataType, ObjectId, Row};
 
 use crate::Case;
 use crate::master::{
     AbortCode, Crc, Lacking, Master, Verdict, abort_code, initiate, name, object, refused,
 };
+use crate::store;
 
 const UNKNOWN_COMMAND: AbortCode = 0x0504_0001;
 const TOGGLE: AbortCode = 0x0503_0000;
@@ -51,7 +54,7 @@ pub(crate) const CASES: &[Case] = &[
     Case { number: "2.27", intent: "segment 128 of a block acknowledged", clause: "7.2.4.3.14", run: case_2_27 },
     Case { number: "2.28", intent: "no further SDO servers", clause: "7.5.2.33", run: case_2_28 },
     Case { number: "2.29", intent: "no further SDO servers after Reset Communication", clause: "7.5.2.33", run: case_2_29 },
-    Case { number: "2.30", intent: "SDO clients are stored", clause: "7.5.2.34", run: case_2_30 },
+    Case { number: "2.30", intent: "no SDO clients, also after a store and Reset Communication", clause: "7.5.2.34", run: case_2_30 },
 ];
 
 /// SDO 01.
@@ -272,23 +275,35 @@ fn case_2_27(master: &mut Master) -> Verdict {
 
 /// SDO 28.
 fn case_2_28(master: &mut Master) -> Verdict {
-    for index in 0x1201..=0x1208 {
-        refused(master.upload(object(index, 0)), &[NO_OBJECT])?;
-    }
-    Ok(())
+    are_missing(master, 0x1201..=0x1208)
 }
 
 /// SDO 29.
 fn case_2_29(master: &mut Master) -> Verdict {
-    master.nmt(0x82);
-    master.run_ms(1_000);
+    reset_communication(master);
     case_2_28(master)
 }
 
 /// SDO 30.
 fn case_2_30(master: &mut Master) -> Verdict {
-    master.has(0x1280, 0)?;
-    unreachable!("none of the products is an SDO client")
+    const CLIENTS: RangeInclusive<u16> = 0x1280..=0x1288;
+    are_missing(master, CLIENTS)?;
+    let stores = master.device.stored.is_some();
+    if stores {
+        store::save(master)?;
+    }
+    reset_communication(master);
+    are_missing(master, CLIENTS)?;
+    if stores { store::restore(master) } else { Ok(()) }
+}
+
+fn are_missing(master: &mut Master, mut indexes: RangeInclusive<u16>) -> Verdict {
+    indexes.try_for_each(|index| refused(master.upload(object(index, 0)), &[NO_OBJECT]))
+}
+
+fn reset_communication(master: &mut Master) {
+    master.nmt(0x82);
+    master.run_ms(1_000);
 }
 
 /// The low 32 bits of a number.
