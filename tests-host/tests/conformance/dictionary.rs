@@ -1,6 +1,6 @@
 //! Cases 4.1 to 4.9: the object dictionary as its data sheet says.
 
-use object_dictionary::{Access, Default, Row, Storage, WriteState};
+use object_dictionary::{Access, DataType, Default, Row, Storage, WriteState};
 
 use crate::Case;
 use crate::master::{AbortCode, Master, Reason, Verdict, name, object};
@@ -52,10 +52,30 @@ fn case_4_4(master: &mut Master) -> Verdict {
     verdict
 }
 
-/// OD 05.
+/// OD 05: type of the object and, above it, of its data. CiA 301 leaves it to the device to have any.
 fn case_4_5(master: &mut Master) -> Verdict {
+    const ARRAY: u32 = 0x08;
     assert_eq!(master.upload(object(0x1018, 255)), Err(0x0609_0011));
-    Err("no object has a sub-index 255, which CiA 301 leaves to the device".into())
+    let structures: Vec<Row> = master.rows().filter(|row| row.id().sub == 255).collect();
+    for row in &structures {
+        let first = master.row(object(row.id().index, 1)).expect("an array has elements");
+        let expected = ARRAY | code_of(first.data_type()) << 8;
+        assert_eq!(master.number(row.id()), expected, "{}", name(row.id()));
+    }
+    if structures.is_empty() { Err("no object has a sub-index 255".into()) } else { Ok(()) }
+}
+
+/// The data type in the numbers of CiA 301, section 7.4.7.1.
+fn code_of(data_type: DataType) -> u32 {
+    match data_type {
+        DataType::Integer8 => 0x02,
+        DataType::Integer16 => 0x03,
+        DataType::Integer32 => 0x04,
+        DataType::Unsigned8 => 0x05,
+        DataType::Unsigned16 => 0x06,
+        DataType::Unsigned32 => 0x07,
+        DataType::VisibleString(_) => 0x09,
+    }
 }
 
 /// OD 06.

@@ -67,6 +67,7 @@ const COMMAND: Object<u8> = Object::new(0x2003, 0, "Command").write_only();
 const INPUT_COUNT: Object<u8> = Object::highest_sub_index(0x6000, "Inputs", 2);
 const INPUT_1: Object<u32> = ro(0x6000, 1, "Input").mappable(PdoMapping::Transmit);
 const INPUT_2: Object<u32> = ro(0x6000, 2, "Input").mappable(PdoMapping::Transmit);
+const INPUT_STRUCTURE: Object<u32> = ro(0x6000, 255, "Structure of the inputs").default(0x0708);
 const OUTPUT_COUNT: Object<u8> = Object::highest_sub_index(0x6200, "Outputs", 2);
 const OUTPUT_1: Object<u8> = rw(0x6200, 1, "Output").mappable(PdoMapping::Receive);
 const OUTPUT_2: Object<u8> = rw(0x6200, 2, "Output that is read back").mappable(PdoMapping::Both);
@@ -79,6 +80,6 @@ object_dictionary::product! {
     REVISION, SERIAL, SYNC_COUNTER, BEHAVIOUR_COUNT, BEHAVIOUR, SDO_COUNT, SDO_REQUEST, SDO_RESPONSE,
     RPDO_COUNT, RPDO_COB_ID, RPDO_TYPE, RPDO_TIMER, RPDO_MAP_COUNT, RPDO_MAP_1, RPDO_MAP_2,
     TPDO_COUNT, TPDO_COB_ID, TPDO_TYPE, TPDO_INHIBIT, TPDO_TIMER, TPDO_SYNC_START, TPDO_MAP_COUNT,
-    TPDO_MAP_1, TPDO_MAP_2, TPDO_MAP_3, LIMITED, SIGNED, COMMAND, INPUT_COUNT, INPUT_1, INPUT_2, OUTPUT_COUNT,
+    TPDO_MAP_1, TPDO_MAP_2, TPDO_MAP_3, LIMITED, SIGNED, COMMAND, INPUT_COUNT, INPUT_1, INPUT_2, INPUT_STRUCTURE, OUTPUT_COUNT,
     OUTPUT_1, OUTPUT_2,
 }
