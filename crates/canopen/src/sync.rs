@@ -29,8 +29,8 @@ pub(crate) struct Sync {
     id: CanId,
     /// The value that the counter of a SYNC begins again after; 0 for a SYNC without one that counts.
     overflow: u8,
-    /// The most data bytes that a SYNC has.
-    len_max: u8,
+    /// The fewest and the most data bytes that a SYNC has.
+    lens: (u8, u8),
     /// The counter of the last SYNC produced; 0 before the first.
     counter: u8,
     /// None at all for a device that does not produce.
@@ -67,7 +67,7 @@ impl Sync {
         Self {
             id: CanId::NONE,
             overflow: 0,
-            len_max: 1,
+            lens: (0, 1),
             counter: 0,
             period: Span::ZERO,
             due_at: Deadline::NEVER,
@@ -86,16 +86,16 @@ impl Sync {
     /// [`Self::start`].
     pub(crate) fn reread<const LEN: usize>(&mut self, values: &Values<LEN>) {
         let Some(cob_id) = parameter(values, COB_ID, 0).map(CobId::from_raw) else { return };
-        let (overflow, len_max) = match parameter(values, OVERFLOW, 0).map(u32::to_le_bytes) {
-            None => (0, 1),
-            Some([0, ..]) => (0, 0),
-            Some([overflow, ..]) => (overflow, 1),
+        let (overflow, lens) = match parameter(values, OVERFLOW, 0).map(u32::to_le_bytes) {
+            None => (0, (0, 1)),
+            Some([0, ..]) => (0, (0, 0)),
+            Some([overflow, ..]) => (overflow, (1, 1)),
         };
         let period_us = if cob_id.generates() { number(values, PERIOD, 0) } else { 0 };
         let period = Span::from_micros(period_us);
-        let kind = (cob_id.can_id(), overflow, len_max, period);
-        if kind != (self.id, self.overflow, self.len_max, self.period) {
-            (self.id, self.overflow, self.len_max, self.period) = kind;
+        let kind = (cob_id.can_id(), overflow, lens, period);
+        if kind != (self.id, self.overflow, self.lens, self.period) {
+            (self.id, self.overflow, self.lens, self.period) = kind;
             self.due_at = Deadline::NEVER;
             self.length = Length::Expected;
         }
@@ -119,8 +119,8 @@ impl Sync {
 
     /// Takes a data frame with its identifier.
     pub(crate) fn receive(&mut self, frame: &Frame) -> Received {
-        let has_counter = self.overflow != 0;
-        if !(u8::from(has_counter)..=self.len_max).contains(&frame.dlc()) {
+        let (len_min, len_max) = self.lens;
+        if !(len_min..=len_max).contains(&frame.dlc()) {
             return match core::mem::replace(&mut self.length, Length::Unexpected) {
                 Length::Expected => Received::UnexpectedLength,
                 Length::Unexpected => Received::Nothing,
@@ -128,7 +128,7 @@ impl Sync {
         }
         self.length = Length::Expected;
         let [counter, ..] = frame.padded();
-        Received::Sync { counter: has_counter.then_some(counter) }
+        Received::Sync { counter: (self.overflow != 0).then_some(counter) }
     }
 
     /// A SYNC came: its window opens. When that ends, if there is one.
