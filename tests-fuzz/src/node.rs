@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use canopen::{
     Application, BlockTransfer, BusState, CanId, Event, Frame, Mapped, Node, NodeId, ReadError,
-    Settings, State, TRANSMIT_MAX, TimeOfDay, WriteError, Written, lss,
+    Settings, State, TRANSMIT_MAX, TimeOfDay, Trigger, WriteError, Written, lss,
 };
 use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 use units::{Duration, Instant};
@@ -48,6 +48,9 @@ const CIA_301: Subject = Subject {
 
 /// Calls for what is due that a conversation waits for at once. Time goes on with the next step.
 const WAKES_MAX: usize = 50;
+
+/// Transmit PDOs that a device may have.
+const PDO_MAX: usize = 4;
 
 /// Values that are kept for the next start.
 const KEPT_MAX: usize = 8;
@@ -213,6 +216,9 @@ struct Watch<const LEN: usize> {
     lss_owed: usize,
     heartbeat: Cycle,
     sync: Cycle,
+    pdos: [PdoTimes; PDO_MAX],
+    /// A remote frame is served: inhibit times do not hold back what it asks for.
+    is_remote: bool,
     partners: Partners,
     /// What the product said about its errors.
     errors: u8,
@@ -239,6 +245,18 @@ impl Cycle {
         }
         assert!(period.is_none_or(|period| now.since(self.since) <= period), "late: {now:?}");
     }
+}
+
+/// When a transmit PDO went out.
+#[derive(Clone, Copy)]
+struct PdoTimes {
+    /// `None` when it may have gone out at another time, or had another inhibit time.
+    sent: Option<Instant>,
+    events: Cycle,
+}
+
+impl PdoTimes {
+    const UNKNOWN: Self = Self { sent: None, events: Cycle { period: None, since: Instant::ZERO } };
 }
 
 impl<const LEN: usize> Watch<LEN> {
@@ -270,6 +288,8 @@ impl<const LEN: usize> Watch<LEN> {
             lss_owed: 0,
             heartbeat: Cycle { period: None, since: Instant::ZERO },
             sync: Cycle { period: None, since: Instant::ZERO },
+            pdos: [PdoTimes::UNKNOWN; PDO_MAX],
+            is_remote: false,
             partners: Partners::new(),
             errors: 0,
             bus_state: BusState::Active,
@@ -286,6 +306,7 @@ impl<const LEN: usize> Watch<LEN> {
         self.booted = false;
         self.storage = Storage::Idle;
         self.partners = Partners::new();
+        self.pdos = [PdoTimes::UNKNOWN; PDO_MAX];
         (self.errors, self.bus_state) = (0, BusState::Active);
         self.own.clear();
         for &(slot, raw) in &self.kept {
@@ -552,6 +573,9 @@ impl<const LEN: usize> Watch<LEN> {
         if asked && self.may_move_partners(frame) {
             self.partners.doubt();
         }
+        if asked && (command != 0x40 || self.may_be_a_segment()) {
+            self.pdos = [PdoTimes::UNKNOWN; PDO_MAX];
+        }
         let (before, commands) = (self.values(), self.storage_commands);
         let answers = if self.guards(frame) {
             self.receive_guarding(frame);
@@ -559,8 +583,10 @@ impl<const LEN: usize> Watch<LEN> {
         } else {
             let (time, has_one_service) = (self.told_by(frame), self.is_for_one_service(frame));
             self.hear_producer(frame);
+            self.is_remote = frame.is_remote();
             self.node.handle_frame(self.now, frame, &mut self.mood);
             let answers = self.drain();
+            self.is_remote = false;
             match self.told.take() {
                 None => assert!(time.is_none() || !has_one_service, "{frame:02X?}"),
                 told => assert_eq!(told, time),
@@ -717,6 +743,7 @@ impl<const LEN: usize> Watch<LEN> {
     fn pass(&mut self, span: Duration) {
         self.now = self.now + span;
         (self.heartbeat.period, self.sync.period) = (None, None);
+        self.pdos = [PdoTimes::UNKNOWN; PDO_MAX];
     }
 
     /// What is due is done by one call. Only what is to be said about an overflow comes later: it is
@@ -784,6 +811,9 @@ impl<const LEN: usize> Watch<LEN> {
         self.check_values();
         self.check_cycles();
         self.own.extend(self.own_ids());
+        if self.bus == Bus::Busy || self.stale {
+            self.pdos = [PdoTimes::UNKNOWN; PDO_MAX];
+        }
         if self.bus == Bus::Busy {
             self.stale = true;
             return Vec::new();
@@ -849,6 +879,7 @@ impl<const LEN: usize> Watch<LEN> {
             assert!(self.serves() || lost, "{frame:02X?}");
         } else if !self.stale {
             self.check_pdo(frame);
+            self.check_inhibit_time(frame);
         }
         None
     }
@@ -867,16 +898,70 @@ impl<const LEN: usize> Watch<LEN> {
     fn check_pdo(&self, frame: &Frame) {
         assert_eq!(self.state, State::Operational, "{frame:02X?}");
         let value = |index, sub| self.value(ObjectId { index, sub });
-        let mut pdos = (0..4_u16).filter(|number| {
-            let cob_id = value(0x1800 + number, 1);
-            cob_id.is_some_and(|cob_id| valid(cob_id) == Some(frame.id().get()))
-        });
         let fits = |number| {
             let data = self.mapped(0x1A00 + number);
             let is_older = value(0x1800 + number, 2) == Some(SAMPLED_AT_SYNC);
             data == frame.data() || is_older && data.len() == frame.data().len()
         };
-        assert!(pdos.any(fits), "{frame:02X?}");
+        assert!(self.pdos_with(frame.id().get()).any(fits), "{frame:02X?}");
+    }
+
+    /// The transmit PDOs with this identifier.
+    fn pdos_with(&self, id: u16) -> impl Iterator<Item = u16> {
+        (0..PDO_MAX as u16).filter(move |&number| self.pdo_id(number) == Some(id))
+    }
+
+    fn pdo_id(&self, number: u16) -> Option<u16> {
+        self.value(ObjectId { index: 0x1800 + number, sub: 1 }).and_then(valid)
+    }
+
+    /// What starts a PDO of types 254 and 255.
+    fn trigger(&self, number: u16) -> Option<Trigger> {
+        match self.value(ObjectId { index: 0x1800 + number, sub: 2 })? {
+            254 => Some(self.subject.settings.pdo.type_254),
+            255 => Some(self.subject.settings.pdo.type_255),
+            _ => None,
+        }
+    }
+
+    fn inhibit_time(&self, number: u16) -> Duration {
+        let steps = self.value(ObjectId { index: 0x1800 + number, sub: 3 }).unwrap_or(0);
+        let unit = self.subject.settings.pdo.inhibit_unit;
+        Duration::from_micros(unit.as_micros() * u64::from(steps))
+    }
+
+    /// Two events are no nearer to each other than the inhibit time.
+    fn check_inhibit_time(&mut self, frame: &Frame) {
+        let numbers: Vec<_> = self.pdos_with(frame.id().get()).collect();
+        for &number in &numbers {
+            let (inhibit_time, is_event) =
+                (self.inhibit_time(number), self.trigger(number).is_some());
+            let times = &mut self.pdos[usize::from(number)];
+            times.events.since = self.now;
+            let before = times.sent.replace(self.now);
+            let is_alone = numbers.len() == 1 && is_event && !self.is_remote;
+            if let Some(before) = before.filter(|_| is_alone) {
+                assert!(self.now.since(before) >= inhibit_time, "too early: {frame:02X?}");
+            }
+        }
+    }
+
+    /// How long a PDO takes at most that goes out on its event timer: an inhibit time may hold it
+    /// back.
+    fn event_period(&self, number: u16) -> Option<Duration> {
+        let id = self.pdo_id(number)?;
+        let event_ms = self.value(ObjectId { index: 0x1800 + number, sub: 5 })?;
+        let is_sent = event_ms > 0
+            && self.state == State::Operational
+            && !self.mapped(0x1A00 + number).is_empty();
+        let is_known = !self.is_emergency(id) && !self.is_sync(id);
+        let follows_timer = match self.trigger(number)? {
+            Trigger::Timer | Trigger::ChangeOrTimer => true,
+            Trigger::Change => false,
+        };
+        let inhibit_time = self.inhibit_time(number);
+        let period = Duration::from_micros(u64::from(event_ms) * 1_000 + inhibit_time.as_micros());
+        (is_sent && is_known && follows_timer).then_some(period)
     }
 
     /// The data of the PDO with this mapping: the values up to the first entry that is not of whole
@@ -911,7 +996,7 @@ impl<const LEN: usize> Watch<LEN> {
         assert_eq!(self.value(ERROR_REGISTER), Some(u32::from(self.errors | own)));
     }
 
-    /// No heartbeat and no SYNC is late.
+    /// No heartbeat, no SYNC and no PDO with an event timer is late.
     fn check_cycles(&mut self) {
         let value = |index| self.value(ObjectId { index, sub: 0 }).unwrap_or(0);
         let produces_sync = value(0x1005) & 1 << 30 != 0 && self.state != State::Stopped;
@@ -921,6 +1006,10 @@ impl<const LEN: usize> Watch<LEN> {
         let sync = Duration::from_micros(u64::from(sync_us));
         self.heartbeat.check(self.now, (runs && heartbeat_ms > 0).then_some(heartbeat));
         self.sync.check(self.now, (runs && produces_sync && sync_us > 0).then_some(sync));
+        for number in 0..PDO_MAX as u16 {
+            let period = self.event_period(number).filter(|_| runs);
+            self.pdos[usize::from(number)].events.check(self.now, period);
+        }
     }
 
     /// What a master cannot write is not there.
