@@ -1,12 +1,14 @@
 //! A node among frames, time and a product. The rules are those that hold whatever happens.
 
 mod partners;
+mod pdos;
+mod steps;
 
 use std::collections::BTreeSet;
 
 use canopen::{
-    Application, BlockTransfer, BusState, CanId, Event, Frame, Mapped, Node, NodeId, ReadError,
-    Settings, State, TRANSMIT_MAX, TimeOfDay, Trigger, WriteError, Written, lss,
+    Application, BlockTransfer, BusState, Event, Frame, Mapped, Node, NodeId, ReadError, Settings,
+    State, TRANSMIT_MAX, TimeOfDay, WriteError, Written, lss,
 };
 use object_dictionary::{DataType, Dictionary, ObjectId, PdoMapping, Row, Slot};
 use units::{Duration, Instant};
@@ -14,6 +16,8 @@ use units::{Duration, Instant};
 use crate::bytes::Bytes;
 use crate::{cia_301, device};
 use partners::Partners;
+use pdos::PdoTimes;
+use steps::Step;
 
 const NMT: u16 = 0x000;
 const SDO_RESPONSE: u16 = 0x580;
@@ -55,9 +59,6 @@ const PDO_MAX: usize = 4;
 /// Values that are kept for the next start.
 const KEPT_MAX: usize = 8;
 
-/// The transmission type of a PDO that is sent on request, with what was true at the last SYNC.
-const SAMPLED_AT_SYNC: u32 = 252;
-
 /// Lets a node meet what `input` says.
 pub fn converse(input: &[u8]) {
     let mut bytes = Bytes::new(input);
@@ -75,52 +76,6 @@ struct Subject {
     dictionary: &'static Dictionary,
     settings: &'static Settings,
     node_id: NodeId,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Step {
-    Receive(Frame),
-    /// A frame is served before what was due since the last step.
-    ReceiveAfter {
-        us: u64,
-        frame: Frame,
-    },
-    /// A value to be restored at the next start.
-    Keep {
-        slot: Slot,
-        raw: u32,
-    },
-    Set {
-        slot: Slot,
-        raw: u32,
-    },
-    Emergency {
-        code: u16,
-    },
-    Errors {
-        register: u8,
-    },
-    Supervise(BusState),
-    Overrun,
-    Trigger {
-        number: u16,
-    },
-    Advance {
-        us: u64,
-    },
-    /// Nobody calls for what is due in the meantime.
-    Sleep {
-        us: u64,
-    },
-    /// The next step but one comes before what the next one lets be due at once.
-    Hurry,
-    /// The user touches the device.
-    Touch,
-    Mood(Mood),
-    Bus(Bus),
-    Stored(Result<(), WriteError>),
-    /// A frame leaves its mailbox again, as for a more urgent one.
-    GiveBack,
 }
 
 /// Whether mailboxes take frames.
@@ -247,18 +202,6 @@ impl Cycle {
     }
 }
 
-/// When a transmit PDO went out.
-#[derive(Clone, Copy)]
-struct PdoTimes {
-    /// `None` when it may have gone out at another time, or had another inhibit time.
-    sent: Option<Instant>,
-    events: Cycle,
-}
-
-impl PdoTimes {
-    const UNKNOWN: Self = Self { sent: None, events: Cycle { period: None, since: Instant::ZERO } };
-}
-
 impl<const LEN: usize> Watch<LEN> {
     fn new(subject: Subject) -> Self {
         let slots = || subject.dictionary.slots();
@@ -314,189 +257,6 @@ impl<const LEN: usize> Watch<LEN> {
         }
         self.node.boot(self.now);
         self.drain();
-    }
-
-    /// The next thing to happen; `None` at the end of the input.
-    fn next(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
-        match bytes.u8()? {
-            240.. => self.sign_of_life(bytes),
-            kind => self.step(kind % 24, bytes),
-        }
-    }
-
-    fn step(&self, kind: u8, bytes: &mut Bytes<'_>) -> Option<Step> {
-        let node_id = u16::from(self.subject.node_id.get());
-        let frame = |id: u16, data: &[u8]| Frame::new(CanId::new(id).unwrap(), data).unwrap();
-        let step = match kind {
-            0..=7 => Step::Receive(frame(SDO_REQUEST + node_id, &self.sdo_request(bytes)?)),
-            8 => Step::Receive(frame(SDO_REQUEST + node_id, bytes.up_to(8)?)),
-            9 => {
-                let id = CanId::new(bytes.u16()? & 0x7FF)?;
-                Step::Receive(if bytes.u8()? & 1 == 0 {
-                    Frame::new(id, bytes.up_to(8)?)?
-                } else {
-                    Frame::new_remote(id, bytes.u8()? % 9)?
-                })
-            }
-            10 | 11 => {
-                let any = bytes.u8()?;
-                let command = bytes.pick(&[1, 1, 1, 1, 1, 0x80, 0x80, 2, 0x81, 0x82, any])?;
-                let node = bytes.pick(&[0, self.subject.node_id.get(), any])?;
-                Step::Receive(frame(NMT, &[command, node]))
-            }
-            12 | 13 => {
-                let id = self.value(ObjectId { index: 0x1005, sub: 0 }).unwrap_or(0x80) & 0x7FF;
-                Step::Receive(frame(id as u16, bytes.pick(&[&[][..], &[], &[1], &[1, 2]])?))
-            }
-            14 | 15 => {
-                let ids: Vec<_> = self.node.accepts().collect();
-                let accepted = bytes.pick(&ids)?;
-                let data = bytes.up_to(8)?;
-                Step::Receive(if accepted.remote {
-                    Frame::new_remote(accepted.id, data.len() as u8)?
-                } else {
-                    Frame::new(accepted.id, data)?
-                })
-            }
-            16 => {
-                let any = bytes.u8()?;
-                let command = bytes.pick(&[4, 0x11, 0x13, 0x15, 0x17, 0x51, 0x5A, 0x5E, any])?;
-                let mut data = [command, 0, 0, 0, 0, 0, 0, 0];
-                data[1] = bytes.u8()?;
-                data[2] = bytes.u8()?;
-                Step::Receive(frame(LSS_REQUEST, &data))
-            }
-            17 | 18 => {
-                let position = bytes.u16()? % LEN as u16;
-                let slot = Slot::at(self.subject.dictionary, position)?;
-                let raw = bytes.u32()?;
-                if !self.is_the_products(self.subject.dictionary.row(slot)?.id()) {
-                    return Some(Step::Advance { us: u64::from(raw % 2_000) });
-                }
-                Step::Set { slot, raw }
-            }
-            19 => bytes.pick(&[
-                Step::Emergency { code: 0x1000 },
-                Step::Emergency { code: 0xFF01 },
-                Step::Overrun,
-                Step::Supervise(BusState::Active),
-                Step::Supervise(BusState::Active),
-                Step::Supervise(BusState::Warning),
-                Step::Supervise(BusState::Passive),
-                Step::Supervise(BusState::Off),
-                Step::Trigger { number: 0 },
-                Step::Trigger { number: 1 },
-            ])?,
-            20 => Step::Errors { register: bytes.u8()? & bytes.u8()? },
-            21 => Step::Advance { us: u64::from(bytes.u8()?).pow(2) * 4 },
-            22 => Step::Mood(bytes.pick(&[
-                Mood::Willing,
-                Mood::Willing,
-                Mood::Willing,
-                Mood::Deaf,
-                Mood::Refusing(WriteError::Hardware),
-                Mood::Refusing(WriteError::NotStored),
-                Mood::Unreadable(ReadError::NoData),
-            ])?),
-            _ => bytes.pick(&[
-                Step::GiveBack,
-                Step::Bus(Bus::Busy),
-                Step::Bus(Bus::Free),
-                Step::Bus(Bus::Free),
-                Step::Stored(Ok(())),
-                Step::Stored(Err(WriteError::NotStored)),
-            ])?,
-        };
-        Some(step)
-    }
-
-    /// What partners of a node say, the time for which they say nothing, and the user.
-    fn sign_of_life(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
-        let own = ERROR_CONTROL + u16::from(self.subject.node_id.get());
-        let kind = bytes.u8()?;
-        let step = match kind % 16 {
-            _ if kind >= 224 => Step::Hurry,
-            0..=4 => Step::Receive(Frame::new_remote(CanId::new(own)?, bytes.u8()? % 9)?),
-            5..=8 => {
-                let any = 1 + bytes.u8()? % 127;
-                let producers = self.monitored().map(|(producer, _)| producer);
-                let producer = bytes.pick(&producers.chain([any]).collect::<Vec<_>>())?;
-                let id = CanId::new(ERROR_CONTROL + u16::from(producer))?;
-                let data = bytes.pick(&[&[0][..], &[5], &[0x7F], &[4], &[], &[5, 5]])?;
-                Step::Receive(Frame::new(id, data)?)
-            }
-            9 | 10 => {
-                let time = [bytes.array()?, bytes.array::<4>()?].concat();
-                let len = bytes.pick(&[6, 6, 6, 0, 5, 7, 8])?;
-                let cob_id = self.value(TIME).unwrap_or(0x100);
-                Step::Receive(Frame::new(CanId::new((cob_id & 0x7FF) as u16)?, &time[..len])?)
-            }
-            11 | 12 => Step::Advance { us: self.span(bytes)? },
-            13 => match (self.span(bytes)?, self.step(bytes.u8()? % 17, bytes)?) {
-                (us, Step::Receive(frame)) => Step::ReceiveAfter { us, frame },
-                (us, _) => Step::Sleep { us },
-            },
-            14 => Step::Touch,
-            _ => self.kept(bytes)?,
-        };
-        Some(step)
-    }
-
-    /// A value that another version of the program may have left.
-    fn kept(&self, bytes: &mut Bytes<'_>) -> Option<Step> {
-        let dictionary = self.subject.dictionary;
-        let slot = Slot::at(dictionary, bytes.u16()? % LEN as u16)?;
-        let row = dictionary.row(slot)?;
-        let small = u32::from(bytes.u8()?);
-        let mapped = Slot::at(dictionary, small as u16 % LEN as u16)?;
-        let ObjectId { index, sub } = dictionary.row(mapped)?.id();
-        let bits = bytes.pick(&[8, 8, 16, 32, 0, 4, 64, 255])?;
-        let entry = u32::from(index) << 16 | u32::from(sub) << 8 | bits;
-        let any = bytes.u32()?;
-        let raw = row.data_type().widen(bytes.pick(&[small, small % 10, entry, entry, any])?);
-        let is_kept = !is_text(row.data_type()) && row.permits(raw) && may_be_kept(row.id(), raw);
-        Some(if is_kept { Step::Keep { slot, raw } } else { Step::Advance { us: 1 } })
-    }
-
-    /// Up to half an hour, which is how late a call may be.
-    fn span(&self, bytes: &mut Bytes<'_>) -> Option<u64> {
-        Some(u64::from(bytes.u32()? >> (bytes.u8()? % 32)) % 1_800_000_000)
-    }
-
-    /// A request for an object that mostly exists, with a value that is mostly small.
-    fn sdo_request(&self, bytes: &mut Bytes<'_>) -> Option<Vec<u8>> {
-        let any = bytes.u8()?;
-        let command = bytes.pick(&[
-            0x40, 0x40, 0x22, 0x23, 0x23, 0x2B, 0x2F, 0x21, 0x20, 0x60, 0x70, 0xA0, 0xA4, 0xA1,
-            0xA2, 0xA3, 0xC2, 0xC6, 0xC1, 0x00, 0x01, any, any,
-        ])?;
-        let mut rows = self.subject.dictionary.rows();
-        let len = rows.len();
-        let object = match bytes.u16()? {
-            other @ 0xF000.. => ObjectId { index: 0x1000 + (other & 0xFFF), sub: any },
-            known => rows.nth(usize::from(known) % len)?.id(),
-        };
-        let (small, now) = (u32::from(bytes.u8()?), self.value(object).unwrap_or(0));
-        let value = match bytes.u8()? % 8 {
-            0..=3 if object.index == 0x1010 => u32::from_le_bytes(*b"save"),
-            0..=3 if object.index == 0x1011 => u32::from_le_bytes(*b"load"),
-            0..=2 => small,
-            3 => small << 16 | u32::from(any),
-            4 => now,
-            5 => now ^ 1 << 31,
-            6 => now ^ 1 << (small % 32),
-            _ => bytes.u32()?,
-        };
-        let [low, high] = object.index.to_le_bytes();
-        let mut data = vec![command, low, high, object.sub];
-        data.extend(value.to_le_bytes());
-        data.truncate(if any % 16 == 1 { (small % 9) as usize } else { 8 });
-        Some(data)
-    }
-
-    /// Objects of the stack itself are not the product's to set.
-    const fn is_the_products(&self, object: ObjectId) -> bool {
-        object.index >= 0x2000
     }
 
     fn run(&mut self, bytes: &mut Bytes<'_>) {
@@ -894,99 +654,6 @@ impl<const LEN: usize> Watch<LEN> {
         }
     }
 
-    /// A process data object has the values of what it maps.
-    fn check_pdo(&self, frame: &Frame) {
-        assert_eq!(self.state, State::Operational, "{frame:02X?}");
-        let value = |index, sub| self.value(ObjectId { index, sub });
-        let fits = |number| {
-            let data = self.mapped(0x1A00 + number);
-            let is_older = value(0x1800 + number, 2) == Some(SAMPLED_AT_SYNC);
-            data == frame.data() || is_older && data.len() == frame.data().len()
-        };
-        assert!(self.pdos_with(frame.id().get()).any(fits), "{frame:02X?}");
-    }
-
-    /// The transmit PDOs with this identifier.
-    fn pdos_with(&self, id: u16) -> impl Iterator<Item = u16> {
-        (0..PDO_MAX as u16).filter(move |&number| self.pdo_id(number) == Some(id))
-    }
-
-    fn pdo_id(&self, number: u16) -> Option<u16> {
-        self.value(ObjectId { index: 0x1800 + number, sub: 1 }).and_then(valid)
-    }
-
-    /// What starts a PDO of types 254 and 255.
-    fn trigger(&self, number: u16) -> Option<Trigger> {
-        match self.value(ObjectId { index: 0x1800 + number, sub: 2 })? {
-            254 => Some(self.subject.settings.pdo.type_254),
-            255 => Some(self.subject.settings.pdo.type_255),
-            _ => None,
-        }
-    }
-
-    fn inhibit_time(&self, number: u16) -> Duration {
-        let steps = self.value(ObjectId { index: 0x1800 + number, sub: 3 }).unwrap_or(0);
-        let unit = self.subject.settings.pdo.inhibit_unit;
-        Duration::from_micros(unit.as_micros() * u64::from(steps))
-    }
-
-    /// Two events are no nearer to each other than the inhibit time.
-    fn check_inhibit_time(&mut self, frame: &Frame) {
-        let numbers: Vec<_> = self.pdos_with(frame.id().get()).collect();
-        for &number in &numbers {
-            let (inhibit_time, is_event) =
-                (self.inhibit_time(number), self.trigger(number).is_some());
-            let times = &mut self.pdos[usize::from(number)];
-            times.events.since = self.now;
-            let before = times.sent.replace(self.now);
-            let is_alone = numbers.len() == 1 && is_event && !self.is_remote;
-            if let Some(before) = before.filter(|_| is_alone) {
-                assert!(self.now.since(before) >= inhibit_time, "too early: {frame:02X?}");
-            }
-        }
-    }
-
-    /// How long a PDO takes at most that goes out on its event timer: an inhibit time may hold it
-    /// back.
-    fn event_period(&self, number: u16) -> Option<Duration> {
-        let id = self.pdo_id(number)?;
-        let event_ms = self.value(ObjectId { index: 0x1800 + number, sub: 5 })?;
-        let is_sent = event_ms > 0
-            && self.state == State::Operational
-            && !self.mapped(0x1A00 + number).is_empty();
-        let is_known = !self.is_emergency(id) && !self.is_sync(id);
-        let follows_timer = match self.trigger(number)? {
-            Trigger::Timer | Trigger::ChangeOrTimer => true,
-            Trigger::Change => false,
-        };
-        let inhibit_time = self.inhibit_time(number);
-        let period = Duration::from_micros(u64::from(event_ms) * 1_000 + inhibit_time.as_micros());
-        (is_sent && is_known && follows_timer).then_some(period)
-    }
-
-    /// The data of the PDO with this mapping: the values up to the first entry that is not of whole
-    /// bytes, without those that do not fit.
-    fn mapped(&self, index: u16) -> Vec<u8> {
-        let value = |sub| self.value(ObjectId { index, sub });
-        let count = value(0).filter(|&count| count <= 8).unwrap_or(0);
-        let mut data = Vec::new();
-        let mut end = 0;
-        for entry in (1..=count as u8).map_while(value) {
-            let [bits, sub, low, high] = entry.to_le_bytes();
-            if bits == 0 || bits % 8 != 0 {
-                break;
-            }
-            let object = ObjectId { index: u16::from_le_bytes([low, high]), sub };
-            let mut bytes = self.value(object).unwrap_or(0).to_le_bytes().to_vec();
-            bytes.resize(usize::from(bits / 8), 0);
-            end += bytes.len();
-            if end <= 8 {
-                data.extend(bytes);
-            }
-        }
-        data
-    }
-
     /// It has the errors of the product, and bits of its own as long as the communication has one.
     fn check_error_register(&self) {
         const COMMUNICATION: u8 = 1 << 4 | 1;
@@ -1086,17 +753,6 @@ fn state_byte(state: State) -> u8 {
 /// The identifier of a COB-ID that is in use.
 fn valid(cob_id: u32) -> Option<u16> {
     (cob_id & 1 << 31 == 0).then_some((cob_id & 0x7FF) as u16)
-}
-
-/// Errors are not, and identifiers that are have been checked when a master wrote them. No version
-/// received objects of the stack itself.
-const fn may_be_kept(object: ObjectId, raw: u32) -> bool {
-    match object.index {
-        0x1001 | 0x1003 | 0x1005 | 0x1012 | 0x1014 => false,
-        0x1400..=0x15FF | 0x1800..=0x19FF => object.sub != 1,
-        0x1600..=0x17FF => object.sub == 0 || raw >= 0x2000_0000,
-        _ => true,
-    }
 }
 
 fn is_text(data_type: DataType) -> bool {
