@@ -131,17 +131,17 @@ impl CobId {
     }
 }
 
-/// The identifiers no configurable object may use (CiA 301, section 7.3.5).
+/// The identifiers no configurable object may use (CiA 301, section 7.3.5): 0x000 to 0x07F, 0x101 to
+/// 0x180, 0x581 to 0x5FF, 0x601 to 0x67F, 0x6E0 to 0x6FF and 0x701 to 0x7FF, by function code.
 fn is_restricted(id: CanId) -> bool {
-    matches!(
-        id.get(),
-        0x000..=0x07F
-            | 0x101..=0x180
-            | 0x581..=0x5FF
-            | 0x601..=0x67F
-            | 0x6E0..=0x6FF
-            | 0x701..=0x7FF
-    )
+    let node_id = id.get() & 0x7F;
+    match id.get() >> 7 {
+        0b0000 | 0b1111 => true,
+        0b0010 | 0b1011 | 0b1100 | 0b1110 => node_id > 0,
+        0b0011 => node_id == 0,
+        0b1101 => node_id >= 0x60,
+        _ => false,
+    }
 }
 
 #[cfg(test)]

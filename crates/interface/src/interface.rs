@@ -291,6 +291,7 @@ impl Interface {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
             Outcome::Write(write) => self.hand_on(now, write),
+            Outcome::Text => self.objects.show_message(),
             Outcome::QueueFull => self.send(Emergency::WRITE_QUEUE_FULL),
             Outcome::Received(received) => self.follow_pdo(now, received),
         }

@@ -19,16 +19,20 @@ impl Message {
         self.text.as_ref().map(<[u8; LEN]>::as_slice)
     }
 
-    /// Has a text shown.
-    pub(crate) fn show(&mut self, link: &mut Link, text: &[u8]) -> Result<(), QueueError> {
+    /// Takes a text for which the queue has room.
+    pub(crate) fn set(&mut self, link: &Link, text: &[u8]) -> Result<(), QueueError> {
         link.check_room(MESSAGE_PARTS.len())?;
-        let (parts, _) = text.as_chunks::<4>();
-        for (id, part) in MESSAGE_PARTS.into_iter().zip(parts) {
-            link.write(id, u32::from_le_bytes(*part), Kind::Value)?;
-        }
         self.text = text.try_into().ok();
-        self.shown = true;
         Ok(())
+    }
+
+    /// Has the text shown. Nothing has taken its room since it was set.
+    pub(crate) fn show(&mut self, link: &mut Link) {
+        let (parts, _) = self.text().unwrap_or_default().as_chunks::<4>();
+        for (id, part) in MESSAGE_PARTS.into_iter().zip(parts) {
+            let _ = link.write(id, u32::from_le_bytes(*part), Kind::Value);
+        }
+        self.shown = true;
     }
 
     /// The application controller took another write, which ends the text.

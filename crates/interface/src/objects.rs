@@ -54,6 +54,8 @@ pub(crate) enum Outcome {
     Store(Record),
     /// A write is to go to the application.
     Write(ApplicationWrite),
+    /// The text for the display is.
+    Text,
     /// Too many writes are.
     QueueFull,
     /// A receive PDO arrived.
@@ -100,6 +102,10 @@ impl Objects {
         } else if self.link.write(id, raw, kind(id)).is_ok() {
             self.message.note_write();
         }
+    }
+
+    pub(crate) fn show_message(&mut self) {
+        self.message.show(&mut self.link);
     }
 
     pub(crate) fn end_message(&mut self) {
@@ -197,7 +203,9 @@ impl Application for Objects {
     }
 
     fn write_text(&mut self, _slot: Slot, _row: &Row, text: &[u8]) -> Result<(), WriteError> {
-        let queued = self.message.show(&mut self.link, text);
-        self.note_queued(queued)
+        let room = self.message.set(&self.link, text);
+        self.note_queued(room)?;
+        self.outcome = Outcome::Text;
+        Ok(())
     }
 }

@@ -56,6 +56,7 @@ fn answers_leave_without_a_gap() {
         ("23 03 20 00 NN 01 00 00", NO_GAP),
         ("23 03 60 00 NN 01 00 00", NO_GAP),
         ("2F 01 21 00 NN 00 00 00", NO_GAP),
+        ("23 14 10 00 00 NN 00 00", NO_GAP),
         ("2B 17 10 00 NN 01 00 00", NO_GAP),
         ("2F 01 18 02 NN 00 00 00", NO_GAP),
         ("2B 01 18 03 NN 01 00 00", NO_GAP),

@@ -275,32 +275,27 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
     /// Whether the stack can act on this value of an object of the communication.
     #[inline(never)]
     fn check_communication(&self, object: ObjectId, raw: u32) -> Result<(), AbortCode> {
-        if let 0x1400..=0x1BFF = object.index {
-            return pdo::check(self.values, self.settings(), object, raw);
-        }
+        let settings = self.settings();
         let possible = match (object.index, object.sub) {
+            (0x1400..=0x1BFF, _) => return pdo::check(self.values, settings, object, raw),
             (emcy::HISTORY, 0) => raw == 0,
             (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
             // The row is all there is to check.
-            (sync::COB_ID | emcy::COB_ID, 0) if self.settings().identifiers == Identifiers::Any => {
-                return Ok(());
-            }
+            (sync::COB_ID | emcy::COB_ID, 0) if settings.identifiers == Identifiers::Any => true,
             (emcy::COB_ID, 0) => {
-                let before = CobId::from_raw(number(self.values, emcy::COB_ID, 0));
+                let before = || CobId::from_raw(number(self.values, emcy::COB_ID, 0));
                 let after = CobId::from_raw(raw);
-                let may_move = self.settings().pdo.changes == PdoChanges::AnyTime;
-                after.suits_emergency() && (may_move || !after.moves(before))
+                let may_move = settings.pdo.changes == PdoChanges::AnyTime;
+                after.suits_emergency() && (may_move || !after.moves(before()))
             }
             (heartbeat::CONSUMER_TIME, _) if heartbeat::is_doubled(object, raw, self.values) => {
                 return Err(AbortCode::INCOMPATIBLE);
             }
+            (heartbeat::CONSUMER_TIME, _) => true,
             (0x1029, 1) => raw <= 3,
-            _ => true,
+            _ => return sync::check(self.values, object, raw),
         };
-        if !possible {
-            return Err(self.settings().abort_codes.value_range);
-        }
-        sync::check(self.values, object, raw)
+        if possible { Ok(()) } else { Err(settings.abort_codes.value_range) }
     }
 }
 
