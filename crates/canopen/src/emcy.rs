@@ -14,8 +14,8 @@ const WAITING_MAX: usize = 8;
 const INHIBIT_UNIT: Span = Span::from_micros(100);
 
 pub(crate) const COB_ID: u16 = 0x1014;
-const INHIBIT_TIME: u16 = 0x1015;
-const ERROR_REGISTER: u16 = 0x1001;
+pub(crate) const INHIBIT_TIME: u16 = 0x1015;
+pub(crate) const ERROR_REGISTER: u16 = 0x1001;
 /// The pre-defined error field; an entry exists as long as its sub-index is not above the count.
 pub(crate) const HISTORY: u16 = 0x1003;
 

@@ -1,5 +1,8 @@
 use crate::cob_id::NodeId;
 
+/// Which state errors lead to.
+pub(crate) const ERROR_BEHAVIOUR: u16 = 0x1029;
+
 /// The states of the network management (CiA 301, section 7.3.2.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {

@@ -4,10 +4,13 @@ use object_dictionary::{ObjectId, Slot};
 
 use super::Node;
 use crate::acceptance::Screen;
+use crate::emcy;
+use crate::guarding;
 use crate::heartbeat;
 use crate::nmt::State;
 use crate::parameter::number;
 use crate::settings::ProductSettings;
+use crate::sync;
 use crate::time;
 
 const HEARTBEAT_TIME: u16 = 0x1017;
@@ -53,12 +56,12 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
     #[inline(never)]
     fn follow_parameter(&mut self, object: ObjectId) {
         match object.index {
-            0x1005 | 0x1006 | 0x1007 | 0x1019 => self.reread_sync(),
-            0x1012 => {
+            sync::COB_ID | sync::PERIOD | sync::WINDOW | sync::OVERFLOW => self.reread_sync(),
+            time::COB_ID => {
                 self.time = time::consumed(&self.values);
                 self.change_filters();
             }
-            0x100C | 0x100D => {
+            guarding::GUARD_TIME | guarding::LIFE_TIME_FACTOR => {
                 self.guarded.reread(&self.values);
                 self.update_error_register();
             }
@@ -81,7 +84,9 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
                 }
                 self.update_error_register();
             }
-            0x1014 | 0x1015 => self.emergencies.reread(self.now.into(), &self.values),
+            emcy::COB_ID | emcy::INHIBIT_TIME => {
+                self.emergencies.reread(self.now.into(), &self.values);
+            }
             index @ 0x1400..=0x17FF => self.reread_rpdo(index),
             index @ 0x1800..=0x1BFF => self.reread_tpdo(index),
             _ => {}

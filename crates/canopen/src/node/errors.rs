@@ -5,11 +5,11 @@ use object_dictionary::ObjectId;
 use super::{Event, Node};
 use crate::deadline::Deadline;
 use crate::emcy;
-use crate::nmt::State;
+use crate::nmt::{ERROR_BEHAVIOUR, State};
 use crate::parameter::parameter;
 use crate::settings::{Emergency, ErrorBehaviour, ProductSettings};
 
-const ERROR_REGISTER: ObjectId = ObjectId { index: 0x1001, sub: 0 };
+const ERROR_REGISTER: ObjectId = ObjectId { index: emcy::ERROR_REGISTER, sub: 0 };
 
 /// Error register: any error, and one of the communication.
 const COMMUNICATION_ERROR: u8 = 1 << 4 | 1;
@@ -83,7 +83,7 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
             ErrorClass::Communication => (1, TO_PRE_OPERATIONAL),
             ErrorClass::Manufacturer => (2, NO_CHANGE),
         };
-        match parameter(&self.values, 0x1029, sub).unwrap_or(absent) {
+        match parameter(&self.values, ERROR_BEHAVIOUR, sub).unwrap_or(absent) {
             TO_PRE_OPERATIONAL if self.state == State::Operational => {
                 self.enter(State::PreOperational);
             }

@@ -9,7 +9,7 @@ use crate::application::{Application, Written};
 use crate::cob_id::CobId;
 use crate::emcy;
 use crate::heartbeat;
-use crate::nmt::State;
+use crate::nmt::{ERROR_BEHAVIOUR, State};
 use crate::parameter::{number, parameter};
 use crate::pdo;
 use crate::settings::{Expedited, Identifiers, PdoChanges, ProductSettings, Settings};
@@ -292,7 +292,7 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
                 return Err(AbortCode::INCOMPATIBLE);
             }
             (heartbeat::CONSUMER_TIME, _) => true,
-            (0x1029, 1) => raw <= 3,
+            (ERROR_BEHAVIOUR, 1) => raw <= 3,
             _ => return sync::check(self.values, object, raw),
         };
         if possible { Ok(()) } else { Err(settings.abort_codes.value_range) }
