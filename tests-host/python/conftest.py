@@ -6,6 +6,7 @@ import queue
 import socket
 import subprocess
 
+import can
 import canopen
 import pytest
 
@@ -45,6 +46,19 @@ class Bench:
         return self.process.wait(timeout=ANSWER_TIME_MAX_S)
 
 
+def attach(bench, bit_rate):
+    """A master that is on the bus: the version is told behind the opening of the channel, which nobody
+    waits for. A device that starts before has its boot-up message acknowledged by the control port, and
+    the master misses it."""
+    channel = can.Bus(
+        interface="slcan", channel=bench.slcan, bitrate=bit_rate, sleep_after_open=0
+    )
+    assert channel.get_version(ANSWER_TIME_MAX_S) == (1, 1)
+    network = canopen.Network(channel)
+    network.connect()
+    return network
+
+
 @pytest.fixture(scope="session", params=["twin", "image"])
 def bench(request):
     bench = Bench("nm172", "--engine", request.param)
@@ -54,8 +68,7 @@ def bench(request):
 
 @pytest.fixture(scope="session")
 def network(bench):
-    network = canopen.Network()
-    network.connect(interface="slcan", channel=bench.slcan, bitrate=125000, sleep_after_open=0)
+    network = attach(bench, 125_000)
     yield network
     network.disconnect()
 

@@ -26,8 +26,7 @@ def bench():
 
 @pytest.fixture(scope="module")
 def network(bench):
-    network = canopen.Network()
-    network.connect(interface="slcan", channel=bench.slcan, bitrate=125000, sleep_after_open=0)
+    network = conftest.attach(bench, 125_000)
     network.lss.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
     yield network
     network.disconnect()

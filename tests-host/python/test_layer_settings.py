@@ -19,10 +19,7 @@ def encoder():
 
 
 def attach(bench, bit_rate):
-    network = canopen.Network()
-    network.connect(
-        interface="slcan", channel=bench.slcan, bitrate=bit_rate, sleep_after_open=0
-    )
+    network = conftest.attach(bench, bit_rate)
     network.lss.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
     return network
 

@@ -83,10 +83,7 @@ def test_several_masters(bench, device):
     """NM17x NMT-01, HB-01, SDO-03: what one does, all see, and each may ask."""
     others = []
     for _ in range(3):
-        other = canopen.Network()
-        other.connect(
-            interface="slcan", channel=bench.slcan, bitrate=125000, sleep_after_open=0
-        )
+        other = conftest.attach(bench, 125_000)
         node = other.add_node(canopen.RemoteNode(NODE_ID, device.object_dictionary))
         node.sdo.RESPONSE_TIMEOUT = conftest.ANSWER_TIME_MAX_S
         others.append((node, conftest.Messages()))

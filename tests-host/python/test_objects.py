@@ -148,13 +148,7 @@ class Device:
     def __init__(self, product):
         self.product = product
         self.bench = conftest.Bench(product.slug, "--engine", "twin")
-        self.network = canopen.Network()
-        self.network.connect(
-            interface="slcan",
-            channel=self.bench.slcan,
-            bitrate=product.bit_rate,
-            sleep_after_open=0,
-        )
+        self.network = conftest.attach(self.bench, product.bit_rate)
         dictionary = canopen.import_od(
             str(ROOT / "eds" / f"{product.sheet}.eds"), product.node_id
         )
