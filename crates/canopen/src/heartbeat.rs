@@ -1,6 +1,6 @@
 mod consumer;
 
-pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers, is_doubled};
+pub(crate) use consumer::{CONSUMER_TIME, CONSUMERS_MAX, Consumers};
 
 use crate::deadline::{Deadline, Moment, Span};
 

@@ -41,8 +41,7 @@
 //! another node costs a look at one bit, and nothing at all where the controller filters by
 //! [`Node::accepts`]. What is rare costs more: each sub-index of a PDO's parameters that a master
 //! writes, one reading of that PDO's parameters and mapping; an emergency, one look for each entry of
-//! 0x1003; a monitored node that a master writes, one for each entry of 0x1016; a sub-index that an object
-//! does not have, one short step for each one below, at most 256.
+//! 0x1003; a sub-index that an object does not have, one short step for each one below, at most 256.
 //!
 //! **Time.** The clock of the calls never comes round. Inside, deadlines have 32 bits of its
 //! microseconds: nothing lies more than 35 minutes and 47 seconds ahead, which limits the SYNC period

@@ -1,9 +1,10 @@
-use object_dictionary::{ObjectId, Values};
+use heapless::Vec;
+use object_dictionary::Values;
 
 use crate::cob_id::{NodeId, Service};
 use crate::deadline::{Deadline, Moment, Span};
 use crate::frame::CanId;
-use crate::parameter::{number, parameter};
+use crate::parameter::number;
 
 /// Producers that a device can monitor. Further entries of 0x1016 are not acted on.
 pub(crate) const CONSUMERS_MAX: usize = 8;
@@ -17,7 +18,8 @@ pub(crate) const CONSUMER_TIME: u16 = 0x1016;
 /// that was lost is not monitored until it is heard again. Writing an entry starts it anew.
 #[derive(Debug)]
 pub(crate) struct Consumers {
-    entries: [Consumer; CONSUMERS_MAX],
+    /// Up to the last one that the device has.
+    entries: Vec<Consumer, CONSUMERS_MAX, u8>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -33,11 +35,13 @@ struct Consumer {
 impl Consumers {
     /// Nothing is monitored.
     pub(crate) const fn off() -> Self {
-        Self { entries: [Consumer::new(None, 0); CONSUMERS_MAX] }
+        Self { entries: Vec::new() }
     }
 
     /// Takes an entry over. Whether another producer is listened to.
     pub(crate) fn reread<const LEN: usize>(&mut self, sub: u8, values: &Values<LEN>) -> bool {
+        let unused = Consumer::new(None, 0);
+        while self.entries.len() < usize::from(sub) && self.entries.push(unused).is_ok() {}
         let place = usize::from(sub).checked_sub(1);
         let Some(entry) = place.and_then(|place| self.entries.get_mut(place)) else { return false };
         let (producer, time_ms) = match monitored(number(values, CONSUMER_TIME, sub)) {
@@ -80,6 +84,13 @@ impl Consumers {
         consumer.producer
     }
 
+    /// Whether the value `raw` of an entry would monitor a producer that another one monitors already.
+    pub(crate) fn is_doubled(&self, sub: u8, raw: u32) -> bool {
+        let Some((producer, _)) = monitored(raw) else { return false };
+        let mut numbered = (1..).zip(&self.entries);
+        numbered.any(|(number, entry)| number != sub && entry.producer == Some(producer))
+    }
+
     /// Whether a producer is lost.
     pub(crate) fn is_any_lost(&self) -> bool {
         self.entries.iter().any(|consumer| consumer.is_lost)
@@ -90,26 +101,6 @@ impl Consumer {
     const fn new(producer: Option<NodeId>, time_ms: u16) -> Self {
         Self { expires_at: Deadline::NEVER, time_ms, producer, is_lost: false }
     }
-}
-
-/// Whether this entry of 0x1016 with the value `raw` would monitor a producer that another entry
-/// monitors already.
-pub(crate) fn is_doubled<const LEN: usize>(
-    object: ObjectId,
-    raw: u32,
-    values: &Values<LEN>,
-) -> bool {
-    let Some((producer, _)) = monitored(raw) else { return false };
-    for sub in 1..u8::MAX {
-        if sub == object.sub {
-            continue;
-        }
-        let Some(other) = parameter(values, CONSUMER_TIME, sub) else { break };
-        if monitored(other).is_some_and(|(other, _)| other == producer) {
-            return true;
-        }
-    }
-    false
 }
 
 /// Node-ID and milliseconds of an entry. `None` for an entry that is not used.

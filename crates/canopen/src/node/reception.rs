@@ -116,7 +116,8 @@ impl<S: ProductSettings, const LEN: usize> Node<LEN, S> {
             return;
         }
         let waited = self.sdo.is_waiting();
-        let mut objects = Objects::new(&mut self.values, application, self.settings, self.state);
+        let Self { values, monitored, settings, state, .. } = self;
+        let mut objects = Objects::new(values, application, monitored, *settings, *state);
         self.sdo.handle(self.now.into(), frame, &mut objects);
         let effect = objects.effect();
         self.answer();

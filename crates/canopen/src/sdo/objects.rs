@@ -32,6 +32,7 @@ const LOAD: u32 = u32::from_le_bytes(*b"load");
 pub(crate) struct Objects<'a, A, S, const LEN: usize> {
     values: &'a mut Values<LEN>,
     application: &'a mut A,
+    monitored: &'a heartbeat::Consumers,
     settings: S,
     state: State,
     effect: Effect,
@@ -78,10 +79,11 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
     pub(crate) fn new(
         values: &'a mut Values<LEN>,
         application: &'a mut A,
+        monitored: &'a heartbeat::Consumers,
         settings: S,
         state: State,
     ) -> Self {
-        Self { values, application, settings, state, effect: Effect::None }
+        Self { values, application, monitored, settings, state, effect: Effect::None }
     }
 
     pub(crate) const fn effect(&self) -> Effect {
@@ -278,6 +280,10 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
         let settings = self.settings();
         let possible = match (object.index, object.sub) {
             (0x1400..=0x1BFF, _) => return pdo::check(self.values, settings, object, raw),
+            (heartbeat::CONSUMER_TIME, sub) if self.monitored.is_doubled(sub, raw) => {
+                return Err(AbortCode::INCOMPATIBLE);
+            }
+            (heartbeat::CONSUMER_TIME, _) => true,
             (emcy::HISTORY, 0) => raw == 0,
             (time::COB_ID, 0) => CobId::from_raw(raw).suits_consumer(),
             // The row is all there is to check.
@@ -288,10 +294,6 @@ impl<'a, A: Application, S: ProductSettings, const LEN: usize> Objects<'a, A, S,
                 let may_move = settings.pdo.changes == PdoChanges::AnyTime;
                 after.suits_emergency() && (may_move || !after.moves(before()))
             }
-            (heartbeat::CONSUMER_TIME, _) if heartbeat::is_doubled(object, raw, self.values) => {
-                return Err(AbortCode::INCOMPATIBLE);
-            }
-            (heartbeat::CONSUMER_TIME, _) => true,
             (ERROR_BEHAVIOUR, 1) => raw <= 3,
             _ => return sync::check(self.values, object, raw),
         };
