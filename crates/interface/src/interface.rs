@@ -287,7 +287,7 @@ impl Interface {
 
     /// What frames brought about is followed behind their answers, and before anything else.
     fn follow_up(&mut self, now: Instant) {
-        match self.objects.take_outcome() {
+        match core::mem::take(&mut self.objects.outcome) {
             Outcome::Nothing => {}
             Outcome::Store(record) => self.event(Event::Store(record)),
             Outcome::Write(write) => self.hand_on(now, write),

@@ -1,8 +1,6 @@
 //! How a master's access to an object reaches the controller that holds it (manual 3.7.1; decisions
 //!
 
-use core::mem;
-
 use canopen::{Application, Mapped, ReadError, WriteError, Written};
 use object_dictionary::{ObjectId, Owner, Row, Slot, Storage};
 use profiles::nm17x::{
@@ -40,23 +38,25 @@ pub(crate) struct Objects {
     pub(crate) message: Message,
     /// The application's values have been read.
     pub(crate) values_known: bool,
-    /// The application has a scaling, without which nothing can be preset.
+    /// The application has a scaling, without which nothing can be preset. Kept here, since no
+    /// answer waits for a look at its value.
     pub(crate) has_scaling: bool,
     /// What the last frame brought about, until that is followed.
     pub(crate) outcome: Outcome,
 }
 
 /// What a frame brought about besides its answer. One frame writes one object.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) enum Outcome {
+    #[default]
     Nothing,
     /// An object that is saved at once was written.
     Store(Record),
     /// A write is to go to the application.
     Write(ApplicationWrite),
-    /// The text for the display is.
+    /// The text for the display is to go there.
     Text,
-    /// Too many writes are.
+    /// A write found no room on the way there.
     QueueFull,
     /// A receive PDO arrived.
     Received(Received),
@@ -85,12 +85,8 @@ impl Objects {
             message: Message::default(),
             values_known: false,
             has_scaling: false,
-            outcome: Outcome::Nothing,
+            outcome: Outcome::default(),
         }
-    }
-
-    pub(crate) fn take_outcome(&mut self) -> Outcome {
-        mem::replace(&mut self.outcome, Outcome::Nothing)
     }
 
     /// Hands a write on. Nothing has taken its room since it was answered.
